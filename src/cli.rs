@@ -33,7 +33,7 @@ mod verify;
 #[cfg(feature = "disk")]
 mod write;
 
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use crate::visit::files::Files;
 #[cfg(feature = "disk")]
 pub use batch::Answered;

@@ -56,7 +56,7 @@
 //! `cli` touches files and terminal.
 //!
 //! Where to find what:
-//! * **where a sign changes**: `impl Neg` of deviation and of correction in [`quantity::units`]; the sign of a control's
+//! * **where a sign changes**: `impl Neg` of deviation and of correction in [`quantity`]; the sign of a control's
 //!   table: [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
 //! * **where values are rounded**: [`write::siemens`], [`write::fanuc`], once, on totals

@@ -14,8 +14,7 @@ use nonius::machine::separation::campaign::{NamedTables, campaign};
 use nonius::machine::separation::straight::straight;
 use nonius::machine::separation::{separate, table};
 use nonius::read::KitFile;
-use nonius::text::document::Source;
-use nonius::text::problem::{Problem, Problems};
+use nonius::text::{Problem, Problems, Source};
 
 fn source(bundle: &Bundle, name: &str) -> Result<Source, Problems> {
     let bytes = bundle.file(name).ok_or_else(|| Problem::new("no such file"))?;
@@ -89,7 +88,7 @@ fn separated(
     }
     let known = readings.runs.iter().all(|run| readings.offset_known(run));
     let campaign = campaign(job, measurement, &tables, known)?;
-    if measurement.kind == nonius::quantity::diagonal::PathKind::Straight {
+    if measurement.kind == nonius::quantity::PathKind::Straight {
         straight(&campaign, &readings.runs, None)?;
         return Err(Problem::new("straight runs").into());
     }

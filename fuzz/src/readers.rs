@@ -18,11 +18,9 @@ use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
     KitFile, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
-use nonius::text::delimited::LengthUnit;
-use nonius::text::document::Source;
-use nonius::text::problem::{Problem, Problems};
 use part_program::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
 use std::sync::OnceLock;
+use nonius::text::{LengthUnit, Problem, Problems, Source};
 
 /// What a reader answered, in words.
 pub type Answer = Result<String, Problems>;
@@ -200,7 +198,7 @@ fn kit<'a>(id: &str, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Answer
     let files = files.map(|(path, bytes)| KitFile { path, role, bytes });
     let read = nonius::read::read(&built_in(id)?, &files.collect::<Vec<_>>())?;
     // What is said of names passes this on its way to a person.
-    Ok(nonius::text::plain::page(&format!("{read:?}")).into_owned())
+    Ok(nonius::text::page(&format!("{read:?}")).into_owned())
 }
 
 /// The same of the parts of a bundle.

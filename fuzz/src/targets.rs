@@ -204,7 +204,7 @@ impl Fixtures {
         let made = jobs.iter().filter_map(|bundle| {
             let bundle = Bundle::read(bundle);
             let job =
-                nonius::text::document::Source::from_bytes("job.toml", bundle.file("job.toml")?)
+                nonius::text::Source::from_bytes("job.toml", bundle.file("job.toml")?)
                     .ok()?;
             let job = nonius::inputs::job::Job::read(job).ok()?;
             let profile =

@@ -9,9 +9,8 @@
 //! and nowhere else, so a line that is answered again changes nothing. Files that it does not hold are read from disk.
 
 use crate::cli::outcome::{Answer, Outcome, is_reader_gone};
-use crate::quantity::units::Figure;
-use crate::text::document::{LARGEST_FILE_MIB, sha256};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::quantity::Figure;
+use crate::text::{LARGEST_FILE_MIB, Problem, Problems, sha256, shown};
 use crate::visit::files::{Files, not_put_out, plain_words, printed};
 use crate::visit::memory::Memory;
 use clap::Args;

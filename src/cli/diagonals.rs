@@ -8,9 +8,8 @@ use crate::machine::separation::readings::diagonal_runs;
 use crate::machine::standards::iso_230_2::{AxisFigures, figures};
 use crate::machine::standards::{DiagonalFigures, Diagonals, diagonal};
 use crate::page::{Locale, Picture, targets};
-use crate::quantity::axis::Direction;
-use crate::quantity::diagonal::{Diagonal, PathKind, Run, Volume};
-use crate::text::problem::Problem;
+use crate::quantity::{Diagonal, Direction, PathKind, Run, Volume};
+use crate::text::Problem;
 use serde_json::{Value, json};
 
 /// The runs of the four diagonals, and their figures by standard.

@@ -1,8 +1,7 @@
 //! The files of this computer; and what was read of them in this run, over which nothing is written.
 
 use crate::cli::write::{self, Output, written};
-use crate::text::document::LARGEST_FILE_MIB;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{LARGEST_FILE_MIB, Problem, Problems};
 use crate::visit::files::{
     Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
     plain_words, printed, written_over,

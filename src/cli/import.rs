@@ -7,11 +7,8 @@ use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{
     self, Imported, List, Measurement, encoding_word, fill, squareness_lines,
 };
-use crate::quantity::axis::Direction;
-use crate::quantity::diagonal::Diagonal;
-use crate::text::document::Source;
-use crate::text::finding::{Severity, of_severity};
-use crate::text::problem::Problems;
+use crate::quantity::{Diagonal, Direction};
+use crate::text::{Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};
 use crate::visit::job_files::Given;
 use clap::Args;

@@ -3,7 +3,7 @@
 
 use crate::cli::outcome::Outcome;
 use crate::cli::screen::Detail;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use crate::visit::files::printed;
 use clap::Args;
 use std::path::{Path, PathBuf};

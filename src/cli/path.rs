@@ -7,7 +7,7 @@ use crate::cli::outcome::{Outcome, Output, Plot};
 use crate::cli::tables::AskedTables;
 use crate::inputs::part_program::problems;
 use crate::page::{Ink, Trace};
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use crate::visit::files::{Files, Long, plain_words};
 use crate::visit::inputs;
 use crate::volume::tool_path::{Profile, limits, path_map};

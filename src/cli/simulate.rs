@@ -11,11 +11,9 @@ use crate::kit::simulate::{
     rehearsed, single_axes,
 };
 use crate::kit::{Inputs, Loaded, generate, hashed};
-use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal};
-use crate::quantity::units::Figure;
+use crate::quantity::{Diagonal, Figure, PathKind, PerDiagonal};
 use crate::read::KitFile;
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::text::{Finding, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
 use crate::visit::job_files::Given;

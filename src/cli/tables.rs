@@ -2,7 +2,7 @@
 
 use crate::inputs::job::UseOf;
 use crate::kit::{Inputs, generate};
-use crate::text::problem::Problems;
+use crate::text::Problems;
 use crate::visit::files::Files;
 use crate::visit::tables::{Corrected, read_directory};
 use crate::volume::volume_model::VolumeModel;

@@ -8,7 +8,7 @@ use crate::cli::outcome::{Outcome, PlotOnly, Print};
 use crate::judge::conformity::Verdict;
 use crate::kit::second_look::{SecondLook, second_look};
 use crate::kit::{Inputs, Verification};
-use crate::text::problem::Problems;
+use crate::text::Problems;
 use crate::visit::files::Files;
 use crate::visit::inputs;
 use crate::visit::tables::read_directory;

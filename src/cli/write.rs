@@ -17,7 +17,7 @@
 mod partial;
 
 use crate::cli::terminal::say;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous, printed};
 use partial::{Partial, parent_of};
 use std::fs::{self, File};

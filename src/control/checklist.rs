@@ -2,9 +2,7 @@
 //! Nothing here moves a machine.
 
 use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, origin_or_rule};
-use crate::text::document::{Section, section};
-use crate::text::problem::shown;
-use crate::text::words::{Word, words};
+use crate::text::{Section, Word, section, shown, words};
 use serde::Serialize;
 
 section! {

@@ -1,6 +1,6 @@
 //! What a kit relies on without being able to prove it: assumptions and preconditions.
 
-use crate::text::document::Section;
+use crate::text::Section;
 use serde::Serialize;
 
 /// A fact about the control that nobody has shown yet (contract §4).

@@ -3,8 +3,7 @@
 //! The emulators need it beside the tables (reference, unit, backlash parameter, switches that
 //! no file of a kit writes). Each entry is listed as a precondition or an assumption.
 
-use crate::quantity::axis::Direction;
-use crate::quantity::units::{Correction, Deviation, Millimetres};
+use crate::quantity::{Correction, Deviation, Direction, Millimetres};
 
 /// What an axis of the control is, apart from the files: what the job states as precondition.
 #[derive(Clone, Debug, PartialEq)]

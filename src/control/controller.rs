@@ -47,8 +47,7 @@ pub use self::siemens::{MultiplyMode, SiemensFacts};
 use self::fact::Facts;
 use crate::control::checklist::Step;
 use crate::control::claims::Precondition;
-use crate::text::document::section;
-use crate::text::words::words;
+use crate::text::{section, words};
 
 section! {
     /// Facts of every control.

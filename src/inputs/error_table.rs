@@ -19,10 +19,8 @@ pub use self::text::{Draft, write};
 
 use self::read::{headings, record, refuse_single_positions, series_of, table};
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::quantity::units::AT_PLACE_MM;
-use crate::text::document::Source;
-use crate::text::problem::{Notes, Place, Problem, Problems};
+use crate::quantity::{AT_PLACE_MM, Axis, ErrorTerm, PerAxis};
+use crate::text::{Notes, Place, Problem, Problems, Source};
 
 /// A checked error table.
 #[derive(Clone, Debug, PartialEq)]
@@ -186,7 +184,7 @@ fn shared(old: &Series, new: &Series) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quantity::units::Millimetres;
+    use crate::quantity::Millimetres;
 
     #[test]
     fn quotation_marks_and_empty_rows_do_not_matter() {

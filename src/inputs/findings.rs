@@ -1,9 +1,8 @@
 //! What the inputs have to say of how they were understood.
 
 use crate::inputs::job::Frame;
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::Figure;
-use crate::text::finding::findings;
+use crate::quantity::{Diagonal, Figure};
+use crate::text::findings;
 
 findings! {
     /// What an error table or a file of readings says of itself, and what a job states for nothing.

@@ -44,9 +44,7 @@ use self::recognise::recognised;
 use self::stated::{Stated, described};
 use crate::inputs::error_table::{self, Draft, ErrorTable};
 use crate::inputs::refusals;
-use crate::text::document::Source;
-use crate::text::finding::{Finding, Severity, of_severity};
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Finding, Problem, Problems, Severity, Source, of_severity};
 
 /// An imported measurement.
 #[derive(Clone, Debug)]

@@ -29,10 +29,8 @@ pub(crate) use crate::inputs::refusals::{without_grid, without_unit};
 use crate::control::controller::Profile;
 use crate::inputs::kind::{has_column, head};
 use crate::inputs::refusals;
-use crate::quantity::axis::Axis;
-use crate::quantity::chain::Chain;
-use crate::text::document::{Key, Section, Source, read_page_for, read_page_over, states};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Chain};
+use crate::text::{Key, Problem, Problems, Section, Source, read_page_for, read_page_over, states};
 
 /// A checked job.
 #[derive(Clone, Debug, PartialEq)]

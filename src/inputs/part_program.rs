@@ -1,6 +1,6 @@
 //! What is wrong with a part program, as problems of its file. The crate `part_program` reads it.
 
-use crate::text::problem::{Place, Problem, Problems};
+use crate::text::{Place, Problem, Problems};
 use part_program::Refused;
 
 /// The problems of a program, in the order they were found.

@@ -18,12 +18,10 @@ use crate::inputs::readings::rows::{Row, Walk};
 use crate::inputs::refusals;
 use crate::inputs::table::{Content, Table};
 use crate::inputs::target_runs::Values;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
-use crate::quantity::units::Millimetres;
-use crate::text::document::Source;
-use crate::text::finding::Finding;
-use crate::text::problem::{Notes, Problems};
+use crate::quantity::{
+    Axis, Diagonal, Direction, Millimetres, Pass, PathKind, PerAxis, Run, Volume,
+};
+use crate::text::{Finding, Notes, Problems, Source};
 use std::collections::BTreeMap;
 
 /// Checked readings.

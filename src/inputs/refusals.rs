@@ -1,6 +1,6 @@
 //! What is refused of files that were measured: each kind with its facts, its words and the next step, one a line.
 
-use crate::text::problem::refusals;
+use crate::text::refusals;
 
 /// The next step where a file cannot be what its program wrote.
 pub(super) const AGAIN: &str = "the file is incomplete or was changed: save it again";

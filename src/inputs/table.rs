@@ -6,11 +6,10 @@
 use crate::inputs::error_table::Kind;
 use crate::inputs::refusals;
 use crate::inputs::target_runs::Values;
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::{LengthUnit, Line, columns_of, header_and_rows};
-use crate::text::document::Source;
-use crate::text::problem::{Notes, Problem, Problems, shown};
+use crate::quantity::{Axis, Direction, UM_PER_MM};
+use crate::text::{
+    LengthUnit, Line, Notes, Problem, Problems, Source, columns_of, header_and_rows, shown,
+};
 use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;

@@ -13,11 +13,8 @@ mod header;
 mod read;
 
 use crate::inputs::refusals;
-use crate::quantity::axis::Direction;
-use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::LengthUnit;
-use crate::text::problem::Problem;
-use crate::text::words::words;
+use crate::quantity::{Direction, UM_PER_MM};
+use crate::text::{LengthUnit, Problem, words};
 
 words! {
     /// What the values of the runs are.
@@ -84,7 +81,7 @@ impl Runs {
     /// let up = vec![vec![0.0, 0.2], vec![1.0, 1.2]];
     /// let runs = Runs::new(vec![0.0, 100.0], Some(up), None)?;
     /// assert_eq!(runs.length_mm(), 100.0);
-    /// # Ok::<(), nonius::text::problem::Problem>(())
+    /// # Ok::<(), nonius::text::Problem>(())
     /// ```
     pub fn new(
         targets_mm: Vec<f64>,

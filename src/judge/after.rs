@@ -31,11 +31,8 @@ use crate::judge::forecast::{
     Basis, DiagonalForecast, Forecast, Machine, forecast, judged_ranges, range_of,
 };
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::smaller;
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, Diagonal, ErrorTerm, PerAxis, smaller};
+use crate::text::{Finding, Problems};
 use crate::write::plan::Plan;
 use serde::Serialize;
 

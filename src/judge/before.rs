@@ -2,7 +2,7 @@
 
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, Held, Origin};
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 use crate::read::siemens::MachineDatum;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, Task};

@@ -35,10 +35,8 @@ use self::decide::decides;
 use self::hypotheses::Hypothesis;
 use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
-use crate::quantity::axis::ErrorTerm;
-use crate::quantity::units::Figure;
-use crate::text::finding::Finding;
-use crate::text::problem::Problem;
+use crate::quantity::{ErrorTerm, Figure};
+use crate::text::{Finding, Problem};
 use serde::Serialize;
 
 /// Predictions of one kind that differ by less are one cause, µm.

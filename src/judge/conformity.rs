@@ -17,8 +17,8 @@
 //! error: the product is averaged over χ² (multivariate Student). Nothing is drawn by chance.
 
 use crate::machine::separation::noise::NORMAL_ONE_SIDED;
-use crate::quantity::units::larger;
-use crate::text::words::words;
+use crate::quantity::larger;
+use crate::text::words;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 

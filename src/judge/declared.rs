@@ -10,7 +10,7 @@ use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
 use crate::judge::listed;
 use crate::read::declared::tables;
-use crate::text::problem::Problems;
+use crate::text::Problems;
 
 impl Family for DeclaredFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {

@@ -16,8 +16,9 @@ use self::diagnosis::holds;
 
 use crate::judge::field::Field;
 use crate::judge::findings::Difference;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
-use crate::quantity::units::{AT_PLACE_MM, Figure, MM_PER_INCH, Millimetres};
+use crate::quantity::{
+    AT_PLACE_MM, Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, Millimetres, Rotation,
+};
 use crate::read::emulate::{Emulator, NodeTable, Response};
 use crate::write::plan::Plan;
 

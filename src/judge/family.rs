@@ -11,8 +11,7 @@ use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::Entries;
 use crate::judge::findings::{Difference, InControl, InSum};
 use crate::read::ReadBack;
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 
 /// A family of controls, on the side of what was read out.

@@ -14,7 +14,7 @@ use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::{InControl, InSum};
-use crate::text::problem::Problems;
+use crate::text::Problems;
 use crate::write::plan::axis_names;
 use std::collections::BTreeMap;
 

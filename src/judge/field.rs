@@ -1,8 +1,9 @@
 //! What a control adds to the errors of a machine, as its emulator tells: one response for each error, pair of axes
 //! of the control and direction.
 
-use crate::quantity::axis::{Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::units::{AT_PLACE_MM, Correction, Millimetres};
+use crate::quantity::{
+    AT_PLACE_MM, Correction, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm,
+};
 use crate::read::emulate::{Emulated, Emulator, NodeTable, Response};
 use crate::write::plan::axis_pairs;
 

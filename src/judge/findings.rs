@@ -2,11 +2,10 @@
 
 use crate::control::controller::ControlUnit;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::{Figure, MM_PER_INCH, rounded};
+use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::finding::{Finding, findings};
-pub(crate) use crate::text::finding::{joined, listed};
+use crate::text::{Finding, findings};
+pub(crate) use crate::text::{joined, listed};
 
 fn frame_word(frame: Option<Frame>) -> &'static str {
     frame.map_or("as given", Frame::word)

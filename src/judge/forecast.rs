@@ -26,9 +26,7 @@ pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_ga
 use crate::judge::conformity::{Magnitude, Sigma, expanded_together, largest_um};
 use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Millimetres, larger};
+use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, larger};
 use crate::read::emulate::Response;
 use crate::write::grid::EDGE_MM;
 use crate::write::plan::Plan;

@@ -7,9 +7,9 @@ use crate::judge::active::{Found, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::{Family, Side};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::read::isg;
-use crate::text::problem::Problems;
+use crate::text::Problems;
 
 impl Family for IsgFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {

@@ -9,10 +9,9 @@ use crate::judge::disagreement::entries::Entries;
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
 use crate::judge::listed;
-use crate::quantity::axis::{Direction, PerAxis};
-use crate::quantity::units::UM_PER_MM;
+use crate::quantity::{Direction, PerAxis, UM_PER_MM};
 use crate::read::linuxcnc::{Contents, Joint, read};
-use crate::text::problem::Problems;
+use crate::text::Problems;
 
 impl Family for LinuxcncFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {

@@ -16,8 +16,7 @@ use crate::judge::disagreement::entries::{Entries, Value, table};
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::{Difference, InControl};
 use crate::read::ReadBack;
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 use data::{numbered, of_place};
 

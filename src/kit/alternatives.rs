@@ -6,9 +6,8 @@ use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Change, Forecast};
 use crate::kit::inputs::Inputs;
 use crate::kit::made::Made;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::text::problem::Problems;
-use crate::text::words::{Word, words};
+use crate::quantity::{Axis, PerAxis};
+use crate::text::{Problems, Word, words};
 use serde::Serialize;
 
 /// The backlash policy of each axis.

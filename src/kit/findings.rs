@@ -1,8 +1,7 @@
 //! What there is to know of a kit, of a directory that holds one, and of a rehearsal.
 
-use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::units::Figure;
-use crate::text::finding::{Finding, findings, joined, listed};
+use crate::quantity::{Axis, ErrorTerm, Figure};
+use crate::text::{Finding, findings, joined, listed};
 
 findings! {
     /// What is found beside the errors and the tables of a kit.

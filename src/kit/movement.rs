@@ -5,8 +5,7 @@ use super::made::Made;
 use crate::judge::before::Before;
 use crate::judge::field::{Field, Pair};
 use crate::kit::findings::InRollback;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
 use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::read::emulator;
 

@@ -10,15 +10,13 @@ use crate::control::controller::{Evidence, Profile};
 use crate::inputs::job::{Job, ProgramRequest, TargetGrid};
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
 use crate::kit::sha256;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::quantity::units::rounded;
+use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis, rounded};
 use crate::read::program::positions::{
     self as readback_positions, Named, Position, form_differences,
 };
 use crate::read::program::walk::{Bounds, Walked, walk};
 use crate::read::program::{Cancelled, OwnWords, read};
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
 use crate::write::emit::{TOOL, other_letters};
 use crate::write::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};

@@ -22,8 +22,7 @@ use crate::judge::family::family;
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, read_apart};
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::text::{Finding, Problems};
 use crate::write::emit::{self, Emitted, Instead, RenderedFile, Switch, Templates};
 
 /// What a kit writes for the rollback, and what it leaves to a person.

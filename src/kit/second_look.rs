@@ -7,9 +7,8 @@ use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::kit::findings::KitFinding;
-use crate::quantity::axis::{Direction, PerAxis};
-use crate::text::finding::{Finding, Severity, of_severity};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Direction, PerAxis};
+use crate::text::{Finding, Problem, Problems, Severity, of_severity};
 
 /// Steel, where the job states no scale's expansion, 1/K.
 const STEEL_PER_K: f64 = 11.5e-6;

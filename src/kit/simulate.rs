@@ -28,12 +28,11 @@ use crate::kit::{Asked, Inputs, Loaded};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::quantity::units::{Millimetres, rounded};
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, rounded,
+};
 use crate::read::{KitFile, ReadFinding};
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::compile;
 use crate::write::plan::plan;
 use serde::Serialize;

@@ -10,8 +10,7 @@ use crate::judge::field::Field;
 use crate::judge::findings::not_emulated;
 use crate::judge::forecast::Forecast;
 use crate::read::{KitFile, emulator};
-use crate::text::finding::{Finding, Severity, of_severity};
-use crate::text::problem::Problems;
+use crate::text::{Finding, Problems, Severity, of_severity};
 use crate::write::emit;
 
 /// What `verify` finds.
@@ -117,7 +116,7 @@ mod tests {
     use crate::inputs::error_table::ErrorTable;
     use crate::inputs::job::Job;
     use crate::kit::generate;
-    use crate::text::document::Source;
+    use crate::text::Source;
     use std::path::Path;
 
     fn source(path: &Path) -> Source {

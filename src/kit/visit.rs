@@ -14,12 +14,9 @@ pub use self::again::{Earlier, Measured};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::inputs::job::keys;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::pitch;
-use crate::quantity::units::{Figure, Millimetres};
-use crate::text::finding::joined;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis};
+use crate::text::{Problem, Problems, joined};
 use crate::write::emit::{TOOL, filled};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

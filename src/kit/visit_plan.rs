@@ -22,9 +22,8 @@ pub(crate) use self::what_decides::Judged;
 pub use self::what_decides::{Act, Measured, WhatDecides};
 use crate::judge::findings::joined;
 use crate::judge::forecast::JudgedRange;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::text::finding::{Finding, findings};
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, PerAxis};
+use crate::text::{Finding, Problems, findings};
 
 /// More runs are no variant: a day has no more.
 const MOST_RUNS: u32 = 6;

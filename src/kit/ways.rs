@@ -8,9 +8,8 @@ use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
 use crate::kit::alternatives::{Alternative, other_policies};
 use crate::kit::inputs::judged;
 use crate::kit::made::Made;
-use crate::quantity::axis::{ErrorTerm, PerAxis};
-use crate::quantity::units::larger;
-use crate::text::finding::{Finding, findings, joined};
+use crate::quantity::{ErrorTerm, PerAxis, larger};
+use crate::text::{Finding, findings, joined};
 
 /// What the last printed digit does not show is no gain, µm.
 const SHOWN_UM: f64 = 0.001;

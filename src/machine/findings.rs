@@ -1,7 +1,7 @@
 //! What the model of the errors has to say of the measurement behind it.
 
-use crate::quantity::axis::ErrorTerm;
-use crate::text::finding::{findings, joined};
+use crate::quantity::ErrorTerm;
+use crate::text::{findings, joined};
 
 findings! {
     /// What is found while the curves are made.

@@ -26,11 +26,10 @@ use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::joint::zero;
-use crate::quantity::axis::{Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::quantity::{
+    AT_PLACE_MM, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerTerm, larger,
+};
+use crate::text::{Finding, Problems};
 
 pub(in crate::machine) mod measured;
 mod squareness;

@@ -6,8 +6,8 @@
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
 use crate::machine::separation::curves::ends;
-use crate::quantity::units::Figure;
-use crate::text::words::words;
+use crate::quantity::Figure;
+use crate::text::words;
 use serde::{Serialize, Serializer};
 
 mod diagonals;

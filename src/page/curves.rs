@@ -6,9 +6,7 @@ use crate::judge::field::Field;
 use crate::judge::forecast::Machine;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::Separation;
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Millimetres, larger, smaller};
+use crate::quantity::{Direction, ErrorCurve, ErrorTerm, Millimetres, larger, smaller};
 use crate::read::emulate::Response;
 
 /// What the nine curves are drawn from; what is not there is not drawn.

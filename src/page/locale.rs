@@ -2,11 +2,9 @@
 //! texts in the reader's language, as data.
 
 use super::scale::{around, below};
-use crate::quantity::units::{Figure, MM_PER_INCH, UM_PER_MM, rounded};
-use crate::text::document::Source;
-use crate::text::html::escaped;
+use crate::quantity::{Figure, MM_PER_INCH, UM_PER_MM, rounded};
 use crate::text::plain;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems, Source, escaped};
 use std::collections::BTreeMap;
 
 /// In which unit lengths are shown; documents are always in mm and µm.

@@ -3,8 +3,7 @@
 use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale, at_one_height};
 use super::scale::{below, count};
-use crate::quantity::axis::Axis;
-use crate::quantity::units::larger;
+use crate::quantity::{Axis, larger};
 
 /// Stretches of a path that are told apart on paper.
 const MOST: usize = 1024;

@@ -1,7 +1,7 @@
 //! A picture as numbers: panels with marks, in mm and µm whatever unit their axes show.
 
 use super::locale::{Locale, Unit};
-use crate::text::words::{Word, words};
+use crate::text::{Word, words};
 
 words! {
     /// Who a mark speaks for; each is told by colour, by dash and by its sign in the legend. Its word is the class of a

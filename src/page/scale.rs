@@ -1,6 +1,6 @@
 //! Round numbers for the ticks of an axis.
 
-use crate::quantity::units::{Figure, larger, power_of_ten, smaller};
+use crate::quantity::{Figure, larger, power_of_ten, smaller};
 
 /// Ticks at round numbers between two numbers, with as many decimals as they need.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
 use super::scale::{Ticks, count};
-use crate::quantity::units::{Figure, smaller};
-use crate::text::html::escaped;
+use crate::quantity::{Figure, smaller};
+use crate::text::escaped;
 use std::fmt::Write;
 
 /// Width of the plot of a panel when three stand in a row, in points of 1/96 inch.

@@ -4,8 +4,7 @@
 use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
 use super::scale::count;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::larger;
+use crate::quantity::{Axis, PerAxis, larger};
 use crate::volume::assessment::Assessment;
 use crate::volume::volume_model::VolumeModel;
 

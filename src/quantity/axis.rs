@@ -286,7 +286,7 @@ impl PerAxis<f64> {
     /// The vector product a × b (right-handed).
     ///
     /// ```
-    /// use nonius::quantity::axis::PerAxis;
+    /// use nonius::quantity::PerAxis;
     /// let (x, y) = (PerAxis { x: 1.0, y: 0.0, z: 0.0 }, PerAxis { x: 0.0, y: 1.0, z: 0.0 });
     /// assert_eq!(x.cross(y), PerAxis { x: 0.0, y: 0.0, z: 1.0 });
     /// ```

@@ -10,7 +10,7 @@
 //! workpiece* is the order from the workpiece to the tool (1, 2, 3): a rotation of axis i swings
 //! everything that stands after it (docs/volumetric.md §2).
 
-use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::{Axis, PerAxis, Rotation};
 use std::fmt;
 
 /// A kinematic chain in the notation of paper 002, e.g. `wXYZt` (contract §1).
@@ -40,8 +40,8 @@ impl Chain {
     /// Reads a chain: each of X, Y, Z once, `w` at any place, `t` at the end.
     ///
     /// ```
-    /// use nonius::quantity::axis::Axis;
-    /// use nonius::quantity::chain::Chain;
+    /// use nonius::quantity::Axis;
+    /// use nonius::quantity::Chain;
     /// let order = |text: &str| Chain::parse(text).map(Chain::order);
     /// assert_eq!(order("XYwZt"), Some([Axis::Y, Axis::X, Axis::Z]));
     /// assert_eq!(order("XYZwt"), Some([Axis::Z, Axis::Y, Axis::X]));

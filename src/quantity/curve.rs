@@ -17,7 +17,7 @@ mod pieces;
 
 pub use self::pieces::Interpolation;
 
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::{Deviation, Millimetres};
 
 pub(crate) use pieces::solve_tridiagonal;
 use pieces::{Cubic, value_of};
@@ -50,8 +50,7 @@ impl ErrorCurve {
     /// limits positions strictly ascending, all numbers finite; the caller has checked this
     ///
     /// ```
-    /// use nonius::quantity::curve::{ErrorCurve, Interpolation};
-    /// use nonius::quantity::units::{Deviation, Millimetres};
+    /// use nonius::quantity::{Deviation, ErrorCurve, Interpolation, Millimetres};
     /// let curve = ErrorCurve::through(
     ///     &[0.0, 100.0].map(Millimetres::new),
     ///     &[0.0, 4.0].map(Deviation::from_um),

@@ -13,8 +13,7 @@
 //! `PPP` runs from the corner with the smallest coordinates to the one with the largest; `N` in a
 //! name says that this axis travels negative on the forward run (contract §2.2).
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::{Deviation, Millimetres, Squared};
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis, Squared};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::{Index, IndexMut};

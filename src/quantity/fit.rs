@@ -18,8 +18,8 @@ mod nodes;
 
 pub use self::nodes::Nodes;
 
-use crate::quantity::curve::{ErrorCurve, solve_tridiagonal};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::curve::solve_tridiagonal;
+use crate::quantity::{Deviation, ErrorCurve, Millimetres};
 
 /// How table values follow from the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,9 +50,9 @@ pub enum Fit {
 ///        range its ends are held and count like measured values
 ///
 /// ```
-/// use nonius::quantity::curve::{ErrorCurve, Interpolation};
-/// use nonius::quantity::fit::{Fit, Nodes, residual, table_values};
-/// use nonius::quantity::units::{Deviation, Millimetres};
+/// use nonius::quantity::{
+///     Deviation, ErrorCurve, Fit, Interpolation, Millimetres, Nodes, residual, table_values,
+/// };
 /// let curve = ErrorCurve::through(
 ///     &[0.0, 50.0, 100.0].map(Millimetres::new),
 ///     &[0.0, 4.0, 4.0].map(Deviation::from_um),

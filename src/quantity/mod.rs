@@ -1,10 +1,23 @@
 //! Axes, units, signs, positions, curves.
 
-pub mod axis;
-pub mod chain;
-pub mod curve;
-pub mod diagonal;
-pub mod fit;
-pub mod pitch;
-pub mod plane;
-pub mod units;
+mod axis;
+mod chain;
+mod curve;
+mod diagonal;
+mod fit;
+pub(crate) mod pitch;
+mod plane;
+mod units;
+
+pub use self::axis::{Axis, Direction, ErrorTerm, Listed, PerAxis, PerTerm, Rotation};
+pub use self::chain::{Chain, LeverEffect, displaced, unit};
+pub use self::curve::{ErrorCurve, Interpolation, JUMP_MM};
+pub use self::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+pub use self::fit::{Fit, Nodes, residual, table_values};
+pub use self::pitch::USUAL_MM;
+pub use self::plane::{PerPlane, Plane};
+pub(crate) use self::units::{AT_PLACE_MM, SAME_PLACE_MM, URAD_PER_ARCSEC, picometres, rounded};
+pub use self::units::{
+    Correction, Deviation, Figure, MM_PER_INCH, Millimetres, Squared, UM_PER_MM, larger,
+    power_of_ten, smaller,
+};

@@ -1,6 +1,6 @@
 //! Errors that repeat with a screw, a gear or a scale: whether targets can show them.
 
-use crate::quantity::units::Millimetres;
+use crate::quantity::Millimetres;
 
 /// Usual pitches of screws, racks and gears, mm; 0.2 in, 0.25 in and 0.5 in among them.
 pub const USUAL_MM: [f64; 11] = [5.0, 5.08, 6.0, 6.35, 8.0, 10.0, 12.0, 12.7, 16.0, 20.0, 25.0];

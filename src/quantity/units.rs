@@ -33,7 +33,7 @@ const POWERS_OF_TEN: [f64; 23] = [
 /// no negative power is exact.
 ///
 /// ```
-/// use nonius::quantity::units::power_of_ten;
+/// use nonius::quantity::power_of_ten;
 /// assert_eq!(12_000.0 / power_of_ten(3), 12.0);
 /// ```
 pub fn power_of_ten(exponent: u32) -> f64 {
@@ -81,7 +81,7 @@ impl Squared for f64 {
 /// an exponent in place of up to 300 zeros. All else is as the formatter of numbers writes it.
 ///
 /// ```
-/// use nonius::quantity::units::Figure;
+/// use nonius::quantity::Figure;
 /// assert_eq!(format!("{:.3} {:+.1}", Figure(-0.0004), Figure(-0.04)), "0.000 +0.0");
 /// assert_eq!(format!("{:+.3} {}", Figure(-0.0006), Figure(-0.0)), "-0.001 0");
 /// assert_eq!(format!("{} {}", Figure(-0.0000002), Figure(5e-324)), "-0.0000002 5e-324");
@@ -159,12 +159,12 @@ impl Sub for Millimetres {
 ///
 /// Two deviations cannot be added by mistake:
 /// ```compile_fail
-/// use nonius::quantity::units::Deviation;
+/// use nonius::quantity::Deviation;
 /// let _ = Deviation::from_um(1.0) + Deviation::from_um(1.0);
 /// ```
 /// The difference of two deviations of one curve is a deviation again (re-zeroing):
 /// ```
-/// use nonius::quantity::units::Deviation;
+/// use nonius::quantity::Deviation;
 /// let zeroed = Deviation::from_um(3.0) - Deviation::from_um(1.0);
 /// assert_eq!(zeroed, Deviation::from_um(2.0));
 /// ```
@@ -242,7 +242,7 @@ impl Add<Correction> for Deviation {
 /// **The change of sign**: the correction that cancels a deviation, and back.
 ///
 /// ```
-/// use nonius::quantity::units::{Correction, Deviation};
+/// use nonius::quantity::{Correction, Deviation};
 /// assert_eq!(-Deviation::from_um(2.5), Correction::from_um(-2.5));
 /// ```
 impl Neg for Deviation {

@@ -22,13 +22,13 @@ use crate::control::controller::{
 };
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables};
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::generic;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::listed;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::{Problem, Problems, shown};
 use std::ops::Range;
 
 impl Family for DeclaredFacts {

@@ -10,8 +10,7 @@
 //! is common to all controls. Controls follow the formal semantics of the references
 //! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::{Correction, Millimetres, SAME_PLACE_MM};
+use crate::quantity::{Axis, Correction, Direction, Millimetres, PerAxis, SAME_PLACE_MM};
 
 /// Why an emulator cannot tell what a control would do with these tables, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,11 +1,10 @@
 //! What the reader and the emulated control make of a profile's examples, against what stands there.
 
 use crate::control::controller::{Added, Example, Profile, Role};
-use crate::quantity::axis::Direction;
-use crate::quantity::units::{Figure, Millimetres};
+use crate::quantity::{Direction, Figure, Millimetres};
 use crate::read::emulate::Emulator;
 use crate::read::family::{KitFile, emulator, read};
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 
 /// A correction of a manual is printed to this, µm.
 const PRINTED_UM: f64 = 1e-3;

@@ -6,8 +6,7 @@ use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::findings::ReadFinding;
 use crate::read::siemens::MachineDatum;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::{Finding, Problem, Problems, shown};
 use std::any::Any;
 use std::borrow::Cow;
 

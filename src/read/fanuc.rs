@@ -22,7 +22,7 @@ use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
-use crate::text::problem::{Problem, Problems, refuse_long_lines};
+use crate::text::{Problem, Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
 use std::ops::Range;
 

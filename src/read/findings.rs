@@ -1,6 +1,6 @@
 //! What the readers have to say of files that they take.
 
-use crate::text::finding::{findings, joined};
+use crate::text::{findings, joined};
 
 findings! {
     /// What there is to know of a file that was read.

@@ -18,8 +18,8 @@ pub use self::check::Row;
 
 use self::rows::COLUMNS;
 use crate::control::table::listed::{ListedTable, ListedTables, Point};
-use crate::quantity::axis::Direction;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::Direction;
+use crate::text::{Problem, Problems};
 
 /// Reads one file: JSON if its first character is `{`, a typed list if it has a column `point`, else CSV.
 ///

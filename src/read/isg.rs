@@ -20,8 +20,7 @@ use crate::control::table::isg::{Curve, IsgTables, Parameter};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::{Finding, Problem, Problems, shown};
 
 impl Family for IsgFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {

@@ -1,7 +1,7 @@
 //! The text of a control's file cut into lines and words, and what is wrong at a place of it: shared by
 //! the readers of all families.
 
-use crate::text::problem::{LineIndex, Problem, Problems};
+use crate::text::{LineIndex, Problem, Problems};
 use std::ops::Range;
 
 /// What a reader finds wrong with a piece of the text, before the file's name is known.

@@ -24,8 +24,7 @@ use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
 use crate::read::listed;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::{Finding, Problem, Problems, shown};
 use std::collections::BTreeMap;
 
 impl Family for LinuxcncFacts {

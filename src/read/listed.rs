@@ -11,7 +11,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Form, Listed, Outside, ValueForm};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point};
-use crate::quantity::units::{Correction, Figure, Millimetres, UM_PER_MM, power_of_ten};
+use crate::quantity::{Correction, Figure, Millimetres, UM_PER_MM, power_of_ten};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
 use crate::read::pairs::{Pair, PairControl, known_axis};
 

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::quantity::axis::Direction;
+use crate::quantity::Direction;
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 
 /// What one axis gets because another one, or itself, stands somewhere.

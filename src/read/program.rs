@@ -18,8 +18,7 @@ pub use self::blocks::{Action, Cancelled, OwnWords, Step};
 use crate::control::controller::program::Language;
 use crate::read::lexer::located;
 use crate::read::{fanuc, linuxcnc, siemens};
-use crate::text::document::refuse_many_lines;
-use crate::text::problem::{Problem, Problems, refuse_long_lines};
+use crate::text::{Problem, Problems, refuse_long_lines, refuse_many_lines};
 
 /// Reads a program.
 pub fn read(

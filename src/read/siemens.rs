@@ -32,7 +32,7 @@ use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::text::problem::{Problem, Problems, refuse_long_lines, shown};
+use crate::text::{Problem, Problems, refuse_long_lines, shown};
 use memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
 use read_out::{Concern, concern, header, is_archive, is_program, sections};
 use statement::{Statement, check_characters, code_of, statement};

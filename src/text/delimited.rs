@@ -4,10 +4,9 @@
 //! where semicolons separate the columns. What the columns mean is the reader's who asks:
 //! [`crate::inputs::error_table`], `crate::inputs::readings`.
 
-use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
-use crate::text::document::{LARGEST_NUMBER, Source};
-use crate::text::problem::{Place, Problem, Problems, nearest, shown};
+use crate::quantity::{MM_PER_INCH, UM_PER_MM};
 use crate::text::refused;
+use crate::text::{LARGEST_NUMBER, Place, Problem, Problems, Source, nearest, shown};
 use std::borrow::Cow;
 use std::ops::Range;
 

@@ -11,8 +11,8 @@ mod section;
 
 pub(crate) use self::page::{read_page_for, read_page_over, states};
 
-use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines};
 use crate::text::refused;
+use crate::text::{LineIndex, Place, Problem, Problems, refuse_long_lines};
 pub use schema::Key;
 pub(crate) use schema::{part, section};
 pub use section::Section;
@@ -49,7 +49,7 @@ pub const LARGEST_PAGE: usize = 1 << 18;
 impl Source {
     /// A file from its bytes; UTF-8 with or without byte order mark, text only.
     ///
-    /// limits [`MOST_LINES`] lines, none longer than [`crate::text::problem::LONGEST_LINE_BYTES`]
+    /// limits [`MOST_LINES`] lines, none longer than [`crate::text::LONGEST_LINE_BYTES`]
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Source, Problems> {
         let text = std::str::from_utf8(bytes)
             .ok()

@@ -142,10 +142,10 @@ macro_rules! findings {
             $(#[doc = $words] $kind $({ $($fact: $type),* })?,)*
         }
 
-        impl $crate::text::finding::Kind for $name {
-            fn severity(&self) -> $crate::text::finding::Severity {
+        impl $crate::text::Kind for $name {
+            fn severity(&self) -> $crate::text::Severity {
                 match self {
-                    $(Self::$kind { .. } => $crate::text::finding::Severity::$severity,)*
+                    $(Self::$kind { .. } => $crate::text::Severity::$severity,)*
                 }
             }
 

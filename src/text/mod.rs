@@ -1,12 +1,31 @@
 //! Reads text and bytes, and reports problems with file, line and column.
 
-pub mod delimited;
-pub mod document;
-pub mod finding;
-pub(crate) mod html;
-pub mod plain;
-pub mod problem;
+mod delimited;
+mod document;
+mod finding;
+mod html;
+pub(crate) mod plain;
+mod problem;
 mod refused;
-pub(crate) mod words;
+mod words;
 
 pub(crate) use self::document::part;
+
+pub use self::delimited::{LengthUnit, Line, lines};
+pub(crate) use self::delimited::{columns_of, header_and_rows, plain_number, refuse_many_columns};
+pub(crate) use self::document::keys::{LIMITS, Places};
+pub use self::document::{
+    Key, LARGEST_FILE_MIB, LARGEST_NUMBER, LARGEST_PAGE, LONGEST_MM, MOST_LINES, MOST_POINTS,
+    MOST_ROWS, Section, Source, sha256,
+};
+pub(crate) use self::document::{
+    json_page, read_page_for, read_page_over, refuse_large_page, refuse_many_lines, section,
+    states, template_text,
+};
+pub use self::finding::{Finding, Kind, Severity, of_severity};
+pub(crate) use self::finding::{findings, joined, listed, once};
+pub(crate) use self::html::{BLANK, BOX, each_text, escaped, marked};
+pub use self::plain::{is_unseen, line, page};
+pub use self::problem::{LONGEST_LINE_BYTES, LineIndex, Place, Problem, Problems, nearest, shown};
+pub(crate) use self::problem::{Notes, bounded, did_you_mean, refusals, refuse_long_lines};
+pub(crate) use self::words::{Named, Word, words};

@@ -63,7 +63,7 @@ fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
 
 /// A JSON document whose texts hold no such character: `\u202e` in its place, which reads back to the
 /// same text. Only texts of a document can hold one, apart from its line ends.
-pub fn json(document: &str) -> Cow<'_, str> {
+pub(crate) fn json(document: &str) -> Cow<'_, str> {
     let goes = |c: char| is_unseen(c) && c != '\n';
     if !document.contains(goes) {
         return Cow::Borrowed(document);

@@ -4,8 +4,7 @@
 //! work is a [`Problem`]. All problems of one input are collected and shown together. The text
 //! is drawn by `annotate-snippets`, the way rustc shows its own.
 
-use crate::text::finding::joined;
-use crate::text::plain::line as seen;
+use crate::text::{joined, line as seen};
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use serde::Serialize;
 use std::cell::RefCell;
@@ -504,8 +503,8 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 /// What a room refuses: each kind a function of its facts, with its words and the next step, one a line.
 macro_rules! refusals {
     ($($kind:ident($($fact:ident),*) => $words:literal $(, $help:expr)?;)*) => {
-        $(pub(crate) fn $kind($($fact: impl std::fmt::Display),*) -> $crate::text::problem::Problem {
-            $crate::text::problem::Problem::new(format!($words))$(.help($help))?
+        $(pub(crate) fn $kind($($fact: impl std::fmt::Display),*) -> $crate::text::Problem {
+            $crate::text::Problem::new(format!($words))$(.help($help))?
         })*
     };
 }

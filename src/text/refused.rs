@@ -1,7 +1,7 @@
 //! What is refused of pages and tables, whatever they hold: each kind with its facts, its words and the next step,
 //! one a line.
 
-use crate::text::problem::refusals;
+use crate::text::refusals;
 
 const KEEP_ONE: &str = "keep one of the two";
 const CHECK_FILE: &str = "check that the file is what it should be";

@@ -32,7 +32,7 @@ macro_rules! words {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         $how enum $name { $($(#[$value_of])* $value),+ }
 
-        impl $crate::text::words::Word for $name {
+        impl $crate::text::Word for $name {
             const WORDS: &'static [(&'static str, $name)] = &[$(($word, $name::$value)),+];
         }
 

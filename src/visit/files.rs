@@ -1,6 +1,6 @@
 //! Where the files of a run come from and go to: a disk, or the memory of a program that uses this one.
 
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use std::io::{Cursor, Error, Read, Seek, Write};
 use std::path::{MAIN_SEPARATOR, MAIN_SEPARATOR_STR, Path, PathBuf};
 

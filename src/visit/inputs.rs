@@ -7,9 +7,8 @@ use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, w
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, hashed};
 use crate::machine::separation::table::ErrorSource;
-use crate::quantity::axis::PerAxis;
-use crate::quantity::diagonal::PathKind;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{PathKind, PerAxis};
+use crate::text::{Problem, Problems};
 use crate::visit::campaign::CampaignFiles;
 use crate::visit::files::{Files, Kind, file_name, plain_words};
 use crate::visit::job_files::{Given, JobFiles};

@@ -1,8 +1,7 @@
 //! Files in the memory of a program that uses this one, by their names.
 
 use super::files::{Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, previous, written_over};
-use crate::text::document::LARGEST_FILE_MIB;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{LARGEST_FILE_MIB, Problem, Problems};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Error, ErrorKind};

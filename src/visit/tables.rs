@@ -2,8 +2,7 @@
 
 use crate::kit::directory::Directory;
 use crate::kit::{Asked, Inputs, Loaded};
-use crate::text::finding::{Finding, Severity};
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Finding, Problem, Problems, Severity};
 use crate::visit::files::{Files, Kind, plain_words, printed, with_slashes};
 use crate::visit::inputs::read_all;
 use crate::volume::assessment::with_tables;

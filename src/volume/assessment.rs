@@ -9,8 +9,8 @@
 mod tables;
 
 pub(crate) use self::tables::with_tables;
-use crate::quantity::axis::{Axis, Listed, PerAxis};
-use crate::text::problem::Problem;
+use crate::quantity::{Axis, Listed, PerAxis};
+use crate::text::Problem;
 use crate::volume::definitions::{Definitions, definitions};
 use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
 use crate::volume::space::grouping::{Tolerance, grouping};

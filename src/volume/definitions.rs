@@ -8,10 +8,9 @@
 //! Which one to quote when, and why they differ: docs/volumetric.md §4.
 
 use crate::machine::separation::curves::range;
-use crate::quantity::axis::{Axis, ErrorTerm, Listed, PerAxis, PerTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::diagonal::PerDiagonal;
-use crate::quantity::units::{Millimetres, SAME_PLACE_MM};
+use crate::quantity::{
+    Axis, ErrorCurve, ErrorTerm, Listed, Millimetres, PerAxis, PerDiagonal, PerTerm, SAME_PLACE_MM,
+};
 use crate::volume::space::boxes::Boxes;
 use crate::volume::space::diameter::diameter;
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};

@@ -1,7 +1,7 @@
 //! What the figures of a volume rest on, in words.
 
-use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::text::finding::{Finding, findings, joined};
+use crate::quantity::{Axis, ErrorTerm};
+use crate::text::{Finding, findings, joined};
 
 findings! {
     /// What a model of the volume takes for granted.

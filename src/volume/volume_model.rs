@@ -26,13 +26,11 @@ pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::{ERRORS, Missing};
 use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use crate::quantity::chain::{Chain, displaced, unit};
-use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::quantity::plane::Plane;
-use crate::quantity::units::{Deviation, Millimetres};
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::quantity::{
+    Axis, Chain, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis,
+    PerTerm, Plane, Rotation, displaced, unit,
+};
+use crate::text::{Finding, Problems};
 use serde::{Serialize, Serializer};
 use std::fmt;
 

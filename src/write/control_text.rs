@@ -1,8 +1,8 @@
 //! Numbers and texts as they stand in a control's files, which are ASCII: letters of other scripts as the
 //! Latin letters that stand for them, German umlauts as German writes them without (ä → ae).
 
-use crate::quantity::units::Figure;
-use crate::text::plain::is_unseen;
+use crate::quantity::Figure;
+use crate::text::is_unseen;
 use crate::write::seen::{Seen, seen};
 use deunicode::deunicode_with_tofu;
 use std::borrow::Cow;

@@ -13,10 +13,8 @@ use crate::control::controller::{
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point, name};
 use crate::inputs::job::Compensation;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::power_of_ten;
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, Direction, ErrorTerm, power_of_ten};
+use crate::text::{Finding, Problems};
 use crate::write::compiled::{Compiled, backlash_parameter, backlash_text, whole_below};
 use crate::write::control_text::fixed;
 use crate::write::family::{Emitted, Family, ProofOf};

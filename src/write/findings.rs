@@ -1,7 +1,7 @@
 //! What there is to know of tables and programs before they are loaded.
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
-use crate::text::finding::{findings, joined};
+use crate::quantity::{Axis, Direction, ErrorTerm, Rotation};
+use crate::text::{findings, joined};
 
 findings! {
     /// What is found while tables are planned and put into the control's numbers.

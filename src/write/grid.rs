@@ -11,10 +11,8 @@
 
 use crate::control::controller::ControlUnit;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
-use crate::quantity::axis::Axis;
-use crate::quantity::fit::Nodes;
-use crate::quantity::units::{Millimetres, power_of_ten};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Millimetres, Nodes, power_of_ten};
+use crate::text::{Problem, Problems};
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;

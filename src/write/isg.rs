@@ -12,11 +12,11 @@ use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter, Point};
 use crate::inputs::job::WantedTerms;
 use crate::machine::model::Measured;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::chain::{Chain, unit};
-use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{
+    Axis, Chain, Deviation, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis, Rotation,
+    UM_PER_MM, power_of_ten, rounded, unit,
+};
+use crate::text::{Problem, Problems};
 use crate::write::compiled::{
     Compiled, Placement, backlash_parameter, backlash_text, control_state,
 };

@@ -18,8 +18,8 @@ use crate::control::controller::{
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::inputs::job::Compensation;
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::text::problem::Problems;
+use crate::quantity::{Direction, ErrorTerm};
+use crate::text::Problems;
 use crate::write::compiled::Compiled;
 use crate::write::control_text::{fixed, trimmed};
 use crate::write::family::{Emitted, Family, ProofOf};

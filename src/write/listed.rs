@@ -7,9 +7,8 @@
 use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point};
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, rounded};
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
+use crate::text::Problems;
 use crate::write::compiled::{Compiled, Placement, backlash_text, column, control_state};
 use crate::write::control_text::fixed;
 use crate::write::family::ProofOf;

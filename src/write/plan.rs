@@ -12,10 +12,8 @@ pub use crate::write::task::{Plan, PlannedTable, Task, axis_pairs};
 
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job};
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::text::document::MOST_POINTS;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, ErrorTerm, PerAxis};
+use crate::text::{Finding, MOST_POINTS, Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::grid::Grid;

@@ -26,7 +26,7 @@ pub use self::run::{
 
 use crate::control::controller::ControlUnit;
 use crate::inputs::job::ProgramRequest;
-use crate::text::problem::Problems;
+use crate::text::Problems;
 
 /// The last digit of a position on most controls.
 const MICROMETRE: Resolution = Resolution { unit: ControlUnit::Millimetre, decimals: 3 };

@@ -16,9 +16,7 @@
 //! a term without a table.
 
 use crate::machine::model::{ErrorModel, Measured};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis};
 use crate::write::findings::TableFinding;
 use crate::write::task::{Omission, TermTargets};
 

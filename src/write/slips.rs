@@ -1,9 +1,7 @@
 //! Values that look like a slip of the pen: a lost motion of the wrong sign, a single value off its neighbours.
 
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Direction, ErrorCurve, ErrorTerm, Millimetres};
 use crate::write::findings::TableFinding;
 
 /// What to look at in the measured values before tables are made from them.
@@ -71,8 +69,7 @@ fn worst(points: &[(f64, f64)]) -> Option<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quantity::curve::Interpolation;
-    use crate::quantity::units::Deviation;
+    use crate::quantity::{Deviation, Interpolation};
 
     /// Position and size of the value that stands out of values at 0, 30, 60 … mm.
     fn lone(um: &[f64]) -> Option<(f64, f64)> {

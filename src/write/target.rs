@@ -5,9 +5,8 @@ pub use crate::write::task::{Omission, Target, TermTargets};
 use crate::control::controller::Profile;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms, one_for_all};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm};
+use crate::text::{Problem, Problems};
 use crate::write::family::family;
 
 /// Whether a control can hold separate tables for the two directions of a term.

@@ -3,10 +3,8 @@
 use crate::control::controller::Profile;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Deviation;
-use crate::text::finding::Finding;
+use crate::quantity::{Axis, Deviation, Direction, ErrorCurve, ErrorTerm, PerAxis};
+use crate::text::Finding;
 use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
 use serde::Serialize;

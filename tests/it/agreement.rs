@@ -7,9 +7,7 @@ use crate::support::diagonals::{
 use crate::support::{term, words};
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
-use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, Pass, Run};
-use nonius::quantity::plane::Plane;
+use nonius::quantity::{Axis, Diagonal, ErrorTerm, Pass, PerAxis, Plane, Run};
 
 const SIGMA_UM: f64 = 0.3;
 

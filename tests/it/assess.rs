@@ -4,7 +4,7 @@ use crate::support::{
     DIAGONALS, LAST_DIGIT, Visit, error_table, fixture, holds, near, number, read_job,
 };
 use nonius::machine::model::ErrorModel;
-use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
+use nonius::quantity::{Axis, ErrorTerm, PerAxis, PerTerm};
 use nonius::volume::definitions::ByComponent;
 use nonius::volume::space::cloud::longest;
 use nonius::volume::volume_model::VolumeModel;

@@ -7,10 +7,10 @@ use crate::support::{Ran, Visit, fixture, golden_case, holds, number, words};
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::separate;
-use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
-use nonius::quantity::units::Deviation;
-use nonius::text::finding::Finding;
+use nonius::quantity::{
+    Axis, Deviation, Diagonal, ErrorTerm, Pass, PerAxis, PerDiagonal, Run, Volume,
+};
+use nonius::text::Finding;
 use serde_json::Value;
 
 const SIGMA_UM: f64 = 0.3;

@@ -1,6 +1,6 @@
 //! Every planned grid covers the travel, unless the job says where it begins and ends.
 use crate::support;
-use nonius::quantity::axis::Axis;
+use nonius::quantity::Axis;
 use nonius::write::grid::Grid;
 use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;

@@ -8,9 +8,8 @@ use nonius::inputs::error_table::write;
 use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Runs, Stated, Travel};
 use nonius::inputs::import::{Component, ImportFinding, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
-use nonius::quantity::axis::{Axis, Direction};
-use nonius::text::finding::{Severity, of_severity};
-use nonius::text::problem::Problems;
+use nonius::quantity::{Axis, Direction};
+use nonius::text::{Problems, Severity, of_severity};
 use proptest::prelude::*;
 
 mod as_a_user;

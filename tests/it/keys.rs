@@ -1,7 +1,7 @@
 //! docs/interface.md shows every key of a job with the words of the struct that it is read into.
 use crate::support::{fixtures, page};
 use nonius::inputs::job::keys;
-use nonius::text::document::Key;
+use nonius::text::Key;
 
 /// A line of a job with the words of its key behind it, and that key; `section` is that of the line, or becomes it.
 fn with_words(line: &str, section: &mut String) -> (String, Option<(&'static str, Key)>) {

@@ -4,8 +4,7 @@
 
 use crate::COUNTED;
 use crate::support::{Entry, Ran, Visit, fixture, in_parallel, page, program, replaced, short_or};
-use nonius::text::document::{LARGEST_PAGE, MOST_LINES, MOST_POINTS, MOST_ROWS};
-use nonius::text::problem::LONGEST_LINE_BYTES;
+use nonius::text::{LARGEST_PAGE, LONGEST_LINE_BYTES, MOST_LINES, MOST_POINTS, MOST_ROWS};
 use std::env;
 use std::ffi::OsString;
 use std::fs;

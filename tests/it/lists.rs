@@ -2,7 +2,7 @@
 use crate::support::{DIAGONALS, Visit, fixture, shared, source};
 use nonius::inputs::import::stated::{Counting, Stated};
 use nonius::inputs::import::{List, Measurement, fill};
-use nonius::quantity::diagonal::Diagonal;
+use nonius::quantity::Diagonal;
 use std::fs::read_to_string;
 
 /// The captures of case D in the order in which they are taken: three runs forth and back, scatter 0.2 µm.

@@ -1,7 +1,7 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
 use crate::support::{Ran, Visit, error_table, positioning_ids, short_or};
 use nonius::control::controller::{Dialect, builtin};
-use nonius::quantity::axis::Axis;
+use nonius::quantity::Axis;
 use std::mem::discriminant;
 
 const AXES: [&str; 3] = ["x", "y", "z"];

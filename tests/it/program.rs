@@ -5,7 +5,7 @@ use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::target_runs::{Runs, Stated};
 use nonius::kit::program_kit::{ProgramKit, judge, make};
-use nonius::text::problem::Problems;
+use nonius::text::Problems;
 use nonius::write::emit::program::{FileRole, ProgramFile};
 use nonius::write::findings::RunFinding;
 use nonius::write::program::{Open, RunTask, left_open};

@@ -2,7 +2,7 @@
 use crate::support::{self, DUST_UM, short_or, um_at};
 use nonius::control::table::Tables;
 use nonius::kit;
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::{Axis, Direction, ErrorTerm};
 use nonius::read::generic::{Row, read};
 use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;

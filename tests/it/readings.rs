@@ -2,9 +2,9 @@
 use crate::support::{DIAGONALS, golden_readings, readings};
 use nonius::inputs::job::{AxisMaterial, DiagonalMeasurement, Material};
 use nonius::inputs::readings::Readings;
-use nonius::quantity::axis::{Axis, Direction, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
-use nonius::quantity::units::Millimetres;
+use nonius::quantity::{
+    Axis, Diagonal, Direction, Millimetres, Pass, PathKind, PerAxis, Run, Volume,
+};
 
 mod mistakes;
 

@@ -6,10 +6,9 @@ use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use nonius::kit::{self, Inputs, emulator};
-use nonius::quantity::axis::Direction;
+use nonius::quantity::Direction;
 use nonius::read::emulate::Emulator;
-use nonius::text::finding::{Severity, of_severity};
-use nonius::text::problem::Problems;
+use nonius::text::{Problems, Severity, of_severity};
 
 /// Names and bytes of files.
 type Files = Vec<(String, Vec<u8>)>;

@@ -4,7 +4,7 @@ use crate::support::{self, Lines, fixture, shared};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::ParameterValue;
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::{Axis, Direction, ErrorTerm};
 use std::path::Path;
 
 /// Detection unit of the Fanuc jobs, µm.

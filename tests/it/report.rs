@@ -49,7 +49,7 @@ fn check_documents(page: &str, documents: &[(&str, Value)], least: usize) {
         let shown = shown.replace('\u{2212}', "-").replace(',', ".");
         let decimals = shown.split_once('.').map_or(0, |(_, after)| after.len());
         let digits = u32::try_from(decimals).unwrap();
-        let half = 0.5 / nonius::quantity::units::power_of_ten(digits);
+        let half = 0.5 / nonius::quantity::power_of_ten(digits);
         let off = (shown.parse::<f64>().unwrap() - number).abs();
         assert!(off <= half * 1.001, "{command} {at}: {shown} for {number}");
     }

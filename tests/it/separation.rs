@@ -5,9 +5,7 @@ use crate::support::{fixture, number, read_job, readings};
 use nonius::inputs::job::{Linear, LinearSlope, MeasuredData};
 use nonius::machine::separation::solved::scale_sum_um_mm;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::Diagonal;
-use nonius::quantity::plane::Plane;
+use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, Plane};
 use serde_json::Value;
 
 /// The readings files hold nine decimals (1e-9 µm); sums of 4·30 increments keep 1e-7 µm.

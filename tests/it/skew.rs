@@ -2,7 +2,7 @@
 //! the lean, and nothing else.
 use crate::support::{self, Random, Visit, holds, number, um_at};
 use nonius::control::controller::{Dialect, TableSign, builtin};
-use nonius::quantity::axis::Direction;
+use nonius::quantity::Direction;
 
 /// A printer that leans by so many µm in 100 mm: X by Y, X by Z, Y by Z; Z bends by `bent` µm in the middle of Y.
 fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {

@@ -4,7 +4,7 @@ use crate::support::machine_h::{self, machine_h};
 use crate::support::random_map::{self, Family, random_map};
 use crate::support::{fixture, short_or};
 use nalgebra::Vector3;
-use nonius::quantity::axis::Axis;
+use nonius::quantity::Axis;
 use nonius::volume::space::boxes::Boxes;
 use nonius::volume::space::cloud;
 use nonius::volume::space::diameter::{Diameter, WindowMap, diameter};

@@ -19,11 +19,9 @@ use nonius::control::table::Tables;
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use nonius::judge::findings::InForecast;
 use nonius::kit::{self, Inputs, Kit};
-use nonius::quantity::axis::{Axis, Direction};
-use nonius::quantity::units::Millimetres;
+use nonius::quantity::{Axis, Direction, Millimetres};
 use nonius::read::emulate::Emulator;
-use nonius::text::finding::{Finding, Severity, of_severity};
-use nonius::text::problem::Problems;
+use nonius::text::{Finding, Problems, Severity, of_severity};
 use nonius::write::findings::TableFinding;
 
 /// What is told of the files that were active.

@@ -3,9 +3,7 @@
 use crate::support::{error_table, fixture, read_job};
 use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};
 use nonius::machine::model::ErrorModel;
-use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use nonius::quantity::chain::Chain;
-use nonius::quantity::units::Millimetres;
+use nonius::quantity::{Axis, Chain, ErrorTerm, Millimetres, PerAxis, Rotation};
 use nonius::volume::definitions::{self, Definitions};
 use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
 

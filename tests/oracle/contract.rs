@@ -18,7 +18,7 @@ use fanuc_numbers::numbers_are_legal;
 use forecast::{diagonals_hold, forecast_holds};
 use nonius::control::controller::{Profile, builtin};
 use nonius::control::table::Tables;
-use nonius::quantity::axis::{Direction, ErrorTerm};
+use nonius::quantity::{Direction, ErrorTerm};
 use one_way::cancels;
 use std::collections::BTreeMap;
 

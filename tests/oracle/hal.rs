@@ -4,7 +4,7 @@ use nonius::control::controller::{Role, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::listed::{ListedTable, Point};
 use nonius::kit;
-use nonius::quantity::axis::Direction;
+use nonius::quantity::Direction;
 use nonius::read::{KitFile, read};
 
 /// Two curves of X, one of 3 and one of 2 points, correct Y (joint 1). Written by hand.

@@ -9,9 +9,9 @@ use nonius::kit::simulate::{
     single_axes, write,
 };
 use nonius::kit::{Inputs, Loaded, generate};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
-use nonius::quantity::units::Millimetres;
+use nonius::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, Volume,
+};
 use proptest::prelude::*;
 
 /// Readings are written with nine decimals.
@@ -191,7 +191,7 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
     let text = write(&found, &rehearsal, &[format!("note: {SIMULATED}: a test")]);
     let given = measurement(&machine.volume, SetUp::Solve, Frame::XPrimary);
     let read = support::readings(&text, &given).unwrap_or_else(|said| panic!("{said}"));
-    let by = |run: &nonius::quantity::diagonal::Run| (run.diagonal, run.number, run.pass);
+    let by = |run: &nonius::quantity::Run| (run.diagonal, run.number, run.pass);
     let mut runs = found.runs;
     runs.sort_by_key(by);
     assert_eq!(read.runs, runs);

@@ -10,9 +10,9 @@ use crate::support::{
     Lines, Random, Visit, generate, in_parallel, loaded, published, response, short_or,
 };
 use nonius::kit::{self, Inputs, Kit};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use nonius::quantity::diagonal::{Diagonal, PathKind, Volume};
-use nonius::quantity::units::Millimetres;
+use nonius::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, Millimetres, PathKind, PerAxis, Volume,
+};
 use nonius::read::emulate::Emulator;
 use nonius::write::plan::axis_pairs;
 use std::collections::BTreeMap;

@@ -15,9 +15,9 @@ use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
 use nonius::machine::separation::reversal::{Estimate, Turn};
 use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use nonius::quantity::diagonal::{Pass, PathKind, PerDiagonal, Volume};
-use nonius::quantity::plane::Plane;
+use nonius::quantity::{
+    Axis, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Plane, Volume,
+};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 

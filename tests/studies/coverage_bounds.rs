@@ -15,10 +15,10 @@ use crate::support::{is_held, is_whole, published, share};
 use nonius::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use nonius::quantity::chain::Chain;
-use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use nonius::quantity::plane::Plane;
+use nonius::quantity::{
+    Axis, Chain, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Plane,
+    Rotation, Volume,
+};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use std::fmt::Write;

@@ -1,8 +1,7 @@
 //! How often sound readings are doubted, and that what the closure sums up scatters as it says.
 use crate::support::diagonals::{Machine, box_30, naive, runs, seeded, with_noise};
 use crate::support::share;
-use nonius::quantity::axis::Axis;
-use nonius::quantity::diagonal::Pass;
+use nonius::quantity::{Axis, Pass};
 
 const SIGMA_UM: f64 = 0.3;
 

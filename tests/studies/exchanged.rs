@@ -9,9 +9,7 @@ use crate::support::diagonals::{
 };
 use crate::support::{in_parallel, is_held, is_whole, published, share, words};
 use nonius::machine::separation::Separation;
-use nonius::quantity::axis::{Axis, ErrorTerm};
-use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use nonius::quantity::plane::Plane;
+use nonius::quantity::{Axis, Diagonal, ErrorTerm, Pass, PerDiagonal, Plane, Volume};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
 

@@ -9,10 +9,10 @@ use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::AngleModel;
 use nonius::machine::separation::curves::Curve;
 use nonius::machine::separation::{Separation, separate};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use nonius::quantity::chain::Chain;
-use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
-use nonius::quantity::plane::Plane;
+use nonius::quantity::{
+    Axis, Chain, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Plane,
+    Rotation, Run, Volume,
+};
 use proptest::prelude::*;
 
 /// Sums of a few hundred readings of up to a millimetre.

@@ -3,10 +3,10 @@
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use nonius::quantity::plane::Plane;
-use nonius::quantity::units::{Deviation, Millimetres};
+use nonius::quantity::{
+    Axis, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis,
+    PerDiagonal, PerTerm, Plane, Run, Volume,
+};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

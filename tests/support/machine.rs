@@ -5,9 +5,9 @@
 
 use super::{Lines, Random};
 use nonius::control::controller::{Dialect, Profile};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
-use nonius::quantity::curve::{ErrorCurve, Interpolation};
-use nonius::quantity::units::{Deviation, Millimetres};
+use nonius::quantity::{
+    Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres,
+};
 
 /// Deviation of one term in one direction as measured, µm over mm, plus a squareness.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Machine H: a machine of 12 × 4 × 2 m with errors in closed form, tabulated in
 //! fixtures/machine_h. It passes through figure 2 of paper 002 at (9, 3.5, 1.35) m.
-use nonius::quantity::axis::Axis;
+use nonius::quantity::Axis;
 use nonius::volume::space::grid_map::{AxisNode, GridMap, Vector};
 use std::f64::consts::PI;
 

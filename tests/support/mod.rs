@@ -25,13 +25,10 @@ use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::readings::Readings;
 use nonius::kit::{self, Inputs, Kit};
-use nonius::quantity::axis::{Direction, ErrorTerm};
-use nonius::quantity::units::{Millimetres, power_of_ten};
+use nonius::quantity::{Direction, ErrorTerm, Millimetres, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::read::{KitFile, read};
-use nonius::text::document::Source;
-use nonius::text::finding::Finding;
-use nonius::text::problem::Problems;
+use nonius::text::{Finding, Problems, Source};
 use std::fmt::Display;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.

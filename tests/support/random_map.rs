@@ -1,5 +1,5 @@
 //! Random machines, some of them on purpose without shape, seeded.
-use nonius::quantity::axis::Axis;
+use nonius::quantity::Axis;
 use nonius::volume::space::grid_map::{AxisNode, GridMap};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

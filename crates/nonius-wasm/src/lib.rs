@@ -7,7 +7,7 @@
 //! ```
 
 use nonius::cli::Answer;
-use nonius::text::document::Key;
+use nonius::text::Key;
 use nonius::visit::memory::Memory;
 use serde_json::{Value, json};
 

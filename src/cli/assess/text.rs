@@ -3,10 +3,8 @@
 use super::page::{Active, Basis, Page};
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::{Figure, Millimetres};
-use crate::text::finding::joined;
+use crate::quantity::{Axis, Diagonal, Figure, Millimetres, PerAxis};
+use crate::text::joined;
 use crate::volume::assessment::{Assessment, Contribution, GridChoice, Histogram, Sampled};
 use crate::volume::definitions::Definitions;
 use crate::volume::volume_model::{Component, ERRORS};

@@ -2,8 +2,8 @@
 //! that canned cycles drill.
 
 use crate::cli::outcome::Output;
-use crate::quantity::units::Figure;
-use crate::text::problem::Problems;
+use crate::quantity::Figure;
+use crate::text::Problems;
 use crate::visit::files::{Begun, Files, Long, Ready, not_put_out, not_written};
 use crate::volume::tool_path::Sample;
 use serde::Serialize;

@@ -11,10 +11,10 @@ use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_f
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
-use crate::quantity::axis::{Direction, Listed, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use crate::quantity::units::picometres;
-use crate::text::finding::Finding;
+use crate::quantity::{
+    Diagonal, Direction, Listed, Pass, PerAxis, PerDiagonal, PerTerm, Volume, picometres,
+};
+use crate::text::Finding;
 use serde_json::{Map, Value, json};
 
 pub(super) fn separation((separation, figures, simulated): Found<'_>) -> Value {

@@ -8,10 +8,8 @@ use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
 use crate::machine::separation::uncertainty::Uncertainty;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::{Figure, Squared};
-use crate::text::finding::joined;
+use crate::quantity::{Axis, Diagonal, Figure, PerAxis, Squared};
+use crate::text::joined;
 use serde_json::{Value, json};
 
 pub(super) fn screen(result: &StraightResult, figures: &StandardFigures) -> Screen {

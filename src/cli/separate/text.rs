@@ -18,11 +18,8 @@ use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::{Estimate, Turn};
 use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::plane::Plane;
-use crate::quantity::units::Figure;
-use crate::text::finding::joined;
+use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Figure, Pass, PerAxis, Plane};
+use crate::text::joined;
 
 pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
     let outliers = &separation.closure.outliers;

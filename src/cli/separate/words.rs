@@ -9,10 +9,8 @@ use crate::machine::separation::agreement::Agreement;
 use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
 use crate::machine::separation::monte_carlo::Simulated;
-use crate::quantity::axis::Axis;
-use crate::quantity::plane::Plane;
-use crate::quantity::units::Figure;
-use crate::text::finding::{Finding, Severity};
+use crate::quantity::{Axis, Figure, Plane};
+use crate::text::{Finding, Severity};
 
 /// What was separated, its diagonals by standard, and what was simulated where that was asked for.
 pub(super) type Found<'a> = (&'a Separation, &'a StandardFigures, Option<&'a Simulated>);

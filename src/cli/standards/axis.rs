@@ -10,9 +10,8 @@ use crate::machine::standards::{
     self, ByDirection, Condition, Met, SURE, VDI_3441, in_words, vdi_3441,
 };
 use crate::page::{Locale, Picture, targets};
-use crate::quantity::axis::Direction;
-use crate::text::finding::{self, Finding};
-use crate::text::problem::Problem;
+use crate::quantity::Direction;
+use crate::text::{Finding, Problem};
 use serde_json::{Value, json};
 
 /// What the standards say about the runs of an axis.
@@ -68,7 +67,7 @@ impl Page<'_> {
         );
         let title = format!(
             "ISO 230-2, k = 2; the formulas are those of the editions {}\n{}",
-            finding::joined(iso_230_2::EDITIONS),
+            crate::text::joined(iso_230_2::EDITIONS),
             iso_230_2::label(&self.conditions)
         );
         Screen {
@@ -203,7 +202,7 @@ pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
             condition.met.word(),
             condition.asked,
             condition.found,
-            finding::joined(condition.editions),
+            crate::text::joined(condition.editions),
             condition.confidence
         )
     });

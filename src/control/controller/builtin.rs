@@ -1,8 +1,7 @@
 //! The profiles and templates that are compiled into the program.
 
 use crate::control::controller::{Profile, ProfileSource, load};
-use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems, nearest, shown};
+use crate::text::{Problem, Problems, Source, nearest, shown};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 

@@ -15,11 +15,8 @@ use super::generic::Typed;
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables};
-use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::LengthUnit;
-use crate::text::document::{Section, section};
-use crate::text::words::words;
+use crate::quantity::{Axis, ErrorTerm, UM_PER_MM};
+use crate::text::{LengthUnit, Section, section, words};
 
 pub(super) static FAMILY: Family = Family {
     word: "declared",
@@ -257,7 +254,7 @@ impl DeclaredFacts {
         let decimals = self.position_decimals.value;
         (0..=9)
             .find(|more| {
-                let um = LengthUnit::Mm.um() / crate::quantity::units::power_of_ten(*more);
+                let um = LengthUnit::Mm.um() / crate::quantity::power_of_ten(*more);
                 (um / self.position_size.value.um - 1.0).abs() < 1e-12
             })
             .map(|more| more + decimals)

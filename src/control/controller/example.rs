@@ -4,10 +4,8 @@
 
 use super::fact::ControlUnit;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::quantity::axis::Direction;
-use crate::quantity::units::Millimetres;
-use crate::text::document::{Section, section};
-use crate::text::words::Word;
+use crate::quantity::{Direction, Millimetres};
+use crate::text::{Section, Word, section};
 
 section! {
     /// One `[[example]]` of a profile.

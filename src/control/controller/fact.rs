@@ -1,8 +1,7 @@
 //! A fact of a control, how sure it is, and how it is read from its page.
 
-use crate::quantity::units::{Correction, Deviation};
-use crate::text::document::Section;
-use crate::text::words::{Word, words};
+use crate::quantity::{Correction, Deviation};
+use crate::text::{Section, Word, words};
 use serde::Serialize;
 use std::cell::{Cell, RefCell};
 use std::ops::RangeBounds;
@@ -236,7 +235,7 @@ impl ControlUnit {
     pub(crate) const fn in_mm(self) -> f64 {
         match self {
             ControlUnit::Millimetre => 1.0,
-            ControlUnit::Inch => crate::quantity::units::MM_PER_INCH,
+            ControlUnit::Inch => crate::quantity::MM_PER_INCH,
         }
     }
 

@@ -4,8 +4,7 @@ use super::fact::{Fact, Facts, Mechanism, NumberRange, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
-use crate::text::document::section;
-use crate::text::words::words;
+use crate::text::{section, words};
 use std::collections::BTreeMap;
 
 pub(super) static FAMILY: Family = Family {

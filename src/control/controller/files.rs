@@ -1,9 +1,7 @@
 //! `[[files]]` of a profile: what a kit consists of.
 
 use crate::control::controller::fact::{Mechanism, Role, TableForm};
-use crate::text::document::{Section, section};
-use crate::text::problem::shown;
-use crate::text::words::Word;
+use crate::text::{Section, Word, section, shown};
 use std::borrow::Cow;
 
 /// A template, such as a page names it.

@@ -2,8 +2,7 @@
 
 use super::fact::{ControlUnit, Outside, TableSign};
 use crate::control::table::listed::ListedTable;
-use crate::text::delimited::LengthUnit;
-use crate::text::words::words;
+use crate::text::{LengthUnit, words};
 
 words! {
     /// In which form a number of a table says what it says.
@@ -93,7 +92,7 @@ impl Form {
     pub(crate) fn count_um(&self) -> f64 {
         match self.rounding {
             Rounding::LastDecimal => {
-                self.value_um / crate::quantity::units::power_of_ten(self.value_decimals)
+                self.value_um / crate::quantity::power_of_ten(self.value_decimals)
             }
             Rounding::Multiple(um) => um,
             Rounding::None => 0.0,

@@ -5,9 +5,7 @@ use super::fact::{Fact, Facts, Outside};
 use super::family::Family;
 use crate::control::table::Tables;
 use crate::control::table::listed::ListedTables;
-use crate::text::delimited::LengthUnit;
-use crate::text::document::section;
-use crate::text::words::{Word, words};
+use crate::text::{LengthUnit, Word, section, words};
 
 pub(super) static FAMILY: Family = Family {
     word: "generic",

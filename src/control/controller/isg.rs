@@ -4,8 +4,7 @@ use super::fact::{Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, Proof};
 use crate::control::table::Tables;
 use crate::control::table::isg::IsgTables;
-use crate::text::document::section;
-use crate::text::words::words;
+use crate::text::{section, words};
 
 pub(super) static FAMILY: Family = Family {
     word: "isg",

@@ -1,8 +1,7 @@
 //! Keys of a job that a control needs: what only a person at the machine knows, and where it is read there.
 
 use crate::control::controller::fact::{Evidence, Fact, origin_or_rule};
-use crate::text::document::{Section, section};
-use crate::text::words::{Word, words};
+use crate::text::{Section, Word, section, words};
 use serde::Serialize;
 
 words! {

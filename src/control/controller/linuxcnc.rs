@@ -5,9 +5,8 @@ use super::family::{Family, LanguageFacts, Proof};
 use super::form::{Form, Listed, Order, Rounding, ValueForm};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables};
-use crate::quantity::units::UM_PER_MM;
-use crate::text::document::section;
-use crate::text::words::words;
+use crate::quantity::UM_PER_MM;
+use crate::text::{section, words};
 
 /// Most joints of a machine (`EMCMOT_MAX_JOINTS` of 2.9); they are numbered from 0.
 pub(crate) const MOST_JOINTS: u32 = 16;

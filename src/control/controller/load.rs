@@ -12,8 +12,7 @@ use crate::control::controller::files::{Templates, files};
 use crate::control::controller::job_keys::job_keys;
 use crate::control::controller::program::program_facts;
 use crate::control::controller::{CommonFacts, Dialect, Fact, Profile, ProfileSource};
-use crate::text::document::{Section, Source, read_page_over, refuse_large_page};
-use crate::text::problem::{Problems, shown};
+use crate::text::{Problems, Section, Source, read_page_over, refuse_large_page, shown};
 use toml::de::{DeArray, DeTable, DeValue};
 
 pub use crate::control::controller::files::TemplateFinder;

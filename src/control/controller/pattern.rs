@@ -1,9 +1,7 @@
 //! A line of a control's file as a regular expression with named fields, checked when its profile is loaded.
 
 use super::fact::Stated;
-use crate::text::document::Section;
-use crate::text::problem::{nearest, shown};
-use crate::text::words::{Word, words};
+use crate::text::{Section, Word, nearest, shown, words};
 use regex_automata::PatternID;
 use regex_automata::meta::{BuildError, Config, Regex};
 use std::ops::Range;

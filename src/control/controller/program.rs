@@ -3,9 +3,7 @@
 use crate::control::controller::fact::{ControlUnit, Fact, Facts, Statement};
 use crate::control::controller::family::LanguageFacts;
 use crate::control::controller::files::{Template, Templates};
-use crate::text::document::{Section, section};
-use crate::text::problem::shown;
-use crate::text::words::{Word, words};
+use crate::text::{Section, Word, section, shown, words};
 
 words! {
     /// Family of part programs.

@@ -4,8 +4,7 @@ use super::fact::{Fact, Facts, Mechanism, Outside, TableForm, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{Place, SiemensTables};
-use crate::text::document::section;
-use crate::text::words::words;
+use crate::text::{section, words};
 
 pub(super) static FAMILY: Family = Family {
     word: "siemens",

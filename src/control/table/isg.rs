@@ -2,7 +2,7 @@
 //!
 //! Positions and deviations in mm, angles in rad, as in the files.
 
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::{Axis, ErrorTerm, PerAxis, Rotation};
 use std::fmt;
 
 /// One of the parameters.

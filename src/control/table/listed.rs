@@ -2,7 +2,7 @@
 //!
 //! Positions and values are in the units of the file, in its order ([`crate::control::controller::Form`]).
 
-use crate::quantity::axis::ErrorTerm;
+use crate::quantity::ErrorTerm;
 
 /// One point of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]

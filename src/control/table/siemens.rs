@@ -3,7 +3,7 @@
 //!
 //! Positions and values are in the control's basic unit (mm or inch), as in the file.
 
-use crate::quantity::axis::Direction;
+use crate::quantity::Direction;
 use std::collections::BTreeMap;
 use std::fmt;
 

@@ -1,6 +1,6 @@
 //! EXX … ECZ: a deviation or a rotation while one axis moves.
 
-use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
+use crate::quantity::{Axis, ErrorTerm, Rotation};
 use std::fmt;
 
 /// A component of the error table: a deviation or a rotation while one axis moves.

@@ -4,11 +4,8 @@
 use crate::inputs::error_table::component::{Component, Kind};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Row, Table, Unit, named};
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::{Deviation, Millimetres, URAD_PER_ARCSEC};
-use crate::text::delimited::Line;
-use crate::text::document::Source;
-use crate::text::problem::{Notes, Place, Problems};
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis, URAD_PER_ARCSEC};
+use crate::text::{Line, Notes, Place, Problems, Source};
 
 /// The heading of a column of deviations.
 #[derive(Clone, Debug, PartialEq)]

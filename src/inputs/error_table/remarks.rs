@@ -21,12 +21,8 @@
 
 use crate::inputs::findings::Remark;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal};
-use crate::quantity::units::{Millimetres, smaller};
-use crate::text::finding::{Finding, joined, once};
-use crate::text::problem::bounded;
-use crate::text::words::{Word, words};
+use crate::quantity::{Diagonal, ErrorTerm, Millimetres, PerAxis, PerDiagonal, PerTerm, smaller};
+use crate::text::{Finding, Word, bounded, joined, once, words};
 use serde::Serialize;
 use std::fmt;
 

@@ -11,8 +11,7 @@
 
 use crate::inputs::error_table::read::{Series, known_columns};
 use crate::inputs::table::{Column, Content};
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::Figure;
+use crate::quantity::{Axis, Direction, Figure};
 use crate::text::plain;
 
 /// An error table that is going to be written.
@@ -68,8 +67,8 @@ fn columns(draft: &Draft) -> Vec<Column> {
 mod tests {
     use super::*;
     use crate::inputs::error_table::ErrorTable;
-    use crate::quantity::units::{Deviation, Millimetres};
-    use crate::text::document::Source;
+    use crate::quantity::{Deviation, Millimetres};
+    use crate::text::Source;
 
     fn series(axis: Axis, direction: Option<Direction>, mm: &[f64]) -> Series {
         Series::new(axis, direction, mm.iter().copied().map(Millimetres::new).collect())

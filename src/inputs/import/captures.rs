@@ -14,12 +14,9 @@ use crate::inputs::import::located::Located;
 use crate::inputs::import::stated::{CAPTURES, Counting, Format, Stated};
 use crate::inputs::readings::Readings;
 use crate::inputs::refusals;
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::{Figure, rounded};
-use crate::text::delimited::Line;
-use crate::text::document::Source;
+use crate::quantity::{Diagonal, Figure, rounded};
 use crate::text::plain;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Line, Problem, Problems, Source};
 use std::collections::HashMap;
 
 /// A list, and the diagonal of which it is; `None` = of one axis.

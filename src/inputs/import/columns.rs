@@ -13,10 +13,8 @@ use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Travel};
 use crate::inputs::refusals;
 use crate::inputs::table::{Cell, Column, Content, RUN, Row as Cells, Table, count};
 use crate::inputs::target_runs::{Values, approach, small_um};
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::{Line, lines};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::quantity::{Axis, Direction, UM_PER_MM};
+use crate::text::{Line, Problem, Problems, lines, shown};
 use std::borrow::Cow;
 
 pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {

@@ -5,8 +5,7 @@
 use crate::inputs::import::spreadsheet;
 use crate::inputs::import::stated::Stated;
 use crate::inputs::refusals;
-use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems};
+use crate::text::{Place, Problem, Problems, Source};
 use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 
 /// A file to be imported.

@@ -2,8 +2,8 @@
 //! is used (notes).
 
 use crate::inputs::error_table::Component;
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::finding::{findings, joined};
+use crate::quantity::{Axis, Direction};
+use crate::text::{findings, joined};
 
 findings! {
     /// What an import finds.

@@ -8,12 +8,10 @@ use crate::inputs::import::stated::{DECIMAL, Decimal, LIST_COLUMNS, Stated};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, LENGTHS, named};
 use crate::inputs::target_runs::Values;
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
-use crate::text::delimited::{Line, header_and_rows, lines, plain_number};
-use crate::text::document::Source;
-use crate::text::finding::joined;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::quantity::{Diagonal, MM_PER_INCH, UM_PER_MM};
+use crate::text::{
+    Line, Problem, Problems, Source, header_and_rows, joined, lines, plain_number, shown,
+};
 use std::borrow::Cow;
 use std::collections::HashMap;
 

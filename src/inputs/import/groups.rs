@@ -7,10 +7,8 @@ use crate::inputs::import::intake::Intake;
 use crate::inputs::import::reading::{Placing, freedom, means, tidy};
 use crate::inputs::refusals;
 use crate::inputs::table::Content;
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::SAME_PLACE_MM;
-use crate::text::delimited::Line;
-use crate::text::problem::Problem;
+use crate::quantity::{Axis, Direction, SAME_PLACE_MM};
+use crate::text::{Line, Problem};
 use std::collections::BTreeMap;
 
 /// A row whose mapped cells could be read.

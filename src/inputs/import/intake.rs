@@ -8,11 +8,10 @@ use crate::inputs::import::stated::{
     AXIS, Fact, Format, MATERIAL_CORRECTED, MaterialCorrected, SIGN, Stated, TERM, word,
 };
 use crate::inputs::refusals::{self, AGAIN, MISSING};
-use crate::quantity::axis::Axis;
-use crate::text::delimited::plain_number;
-use crate::text::document::{LARGEST_NUMBER, Source};
-use crate::text::finding::Finding;
-use crate::text::problem::{Notes, Place, Problem, Problems, shown};
+use crate::quantity::Axis;
+use crate::text::{
+    Finding, LARGEST_NUMBER, Notes, Place, Problem, Problems, Source, plain_number, shown,
+};
 use std::cell::RefCell;
 
 /// Two axes whose squareness a file gives.

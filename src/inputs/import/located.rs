@@ -4,7 +4,7 @@
 //! each third one to the next. A list that is off by one behind a place breaks that there, so the squares of
 //! these differences are added up for every place that it can be.
 
-use crate::quantity::units::Squared;
+use crate::quantity::Squared;
 use nalgebra::Vector4;
 use std::ops::Range;
 

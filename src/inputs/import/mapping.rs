@@ -11,9 +11,8 @@ use crate::inputs::import::stated::{AXIS, DIRECTION};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, LENGTHS, Reading, Unit, named};
 use crate::inputs::target_runs::{Values, approach};
-use crate::quantity::axis::Axis;
-use crate::text::delimited::LengthUnit;
-use crate::text::problem::{Problem, Problems, did_you_mean, shown};
+use crate::quantity::Axis;
+use crate::text::{LengthUnit, Problem, Problems, did_you_mean, shown};
 
 /// Whether it is measured, and neither says where nor in which run.
 fn is_value(content: Content) -> bool {

@@ -18,9 +18,8 @@ use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Intake, Numbers, Piece, Squareness};
 use crate::inputs::import::reading::{Placing, deviation, tidy};
 use crate::inputs::refusals;
-use crate::quantity::axis::Axis;
-use crate::quantity::units::UM_PER_MM;
-use crate::text::problem::shown;
+use crate::quantity::{Axis, UM_PER_MM};
+use crate::text::shown;
 
 /// Micrometres per metre, or microradians, in one radian.
 const MICRO: f64 = 1e6;

@@ -13,9 +13,8 @@ use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
 use crate::inputs::import::reading::{Passes, Way};
 use crate::inputs::refusals;
-use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::LengthUnit;
-use crate::text::problem::shown;
+use crate::quantity::UM_PER_MM;
+use crate::text::{LengthUnit, shown};
 
 /// The version of the format that was available.
 const KNOWN_VERSION: &str = "5";

@@ -8,9 +8,8 @@ use crate::inputs::import::intake::{Contents, Intake};
 use crate::inputs::import::stated::{FIRST_TARGET, TARGETS_RUN};
 use crate::inputs::refusals;
 use crate::inputs::table::Content;
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::{Deviation, Millimetres, Squared, rounded};
-use crate::text::problem::Place;
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, Squared, rounded};
+use crate::text::Place;
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
 pub(super) fn tidy(number: f64) -> f64 {

@@ -8,9 +8,7 @@ use crate::inputs::import::parameters::is_isg_header;
 use crate::inputs::import::stated::{Format, Stated, Travel};
 use crate::inputs::import::{pos, rtl};
 use crate::inputs::refusals;
-use crate::text::delimited::{Line, lines};
-use crate::text::document::Source;
-use crate::text::problem::Problem;
+use crate::text::{Line, Problem, Source, lines};
 
 /// Within so many lines the columns are named.
 const MOST_LINES: usize = 100;

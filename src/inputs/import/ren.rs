@@ -14,9 +14,7 @@ use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
 use crate::inputs::import::reading::{Passes, Way};
 use crate::inputs::import::stated::{UNIT, VALUES, Values};
 use crate::inputs::refusals::{self, SAVE_SO};
-use crate::text::delimited::{LengthUnit, plain_number};
-use crate::text::document::LARGEST_NUMBER;
-use crate::text::problem::{Problem, shown};
+use crate::text::{LARGEST_NUMBER, LengthUnit, Problem, plain_number, shown};
 
 /// Positions are compared to a tenth of a micrometre.
 const SAME_MM: f64 = 1e-4;

@@ -16,11 +16,8 @@ use crate::inputs::import::reading::{Passes, Placing, Way, Ways};
 use crate::inputs::import::stated::{Format, RUNS, Runs, Stated};
 use crate::inputs::refusals;
 use crate::inputs::target_runs;
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::delimited::plain_number;
-use crate::text::document::LARGEST_NUMBER;
-use crate::text::finding::Finding;
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::quantity::{Axis, Direction};
+use crate::text::{Finding, LARGEST_NUMBER, Place, Problem, Problems, plain_number, shown};
 use std::collections::BTreeMap;
 
 pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {

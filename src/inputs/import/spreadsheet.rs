@@ -1,6 +1,6 @@
 //! A sheet of a workbook as delimited text: a row a line, semicolons between the cells, numbers with all their digits.
 
-use crate::text::problem::{Problem, shown};
+use crate::text::{Problem, shown};
 use calamine::{Data, Reader, Sheets, open_workbook_auto_from_rs};
 use std::io::Cursor;
 

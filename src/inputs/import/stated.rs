@@ -5,10 +5,8 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::Component;
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::delimited::LengthUnit;
-use crate::text::document::LONGEST_MM;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Direction};
+use crate::text::{LONGEST_MM, LengthUnit, Problem, Problems};
 use clap::{Args, ValueEnum};
 
 /// Formats that can be read, in the order of the documentation.

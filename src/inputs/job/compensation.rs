@@ -2,13 +2,8 @@
 
 use crate::control::controller::ControlUnit;
 use crate::inputs::refusals;
-use crate::quantity::axis::{ErrorTerm, PerAxis};
-use crate::quantity::curve::Interpolation;
-use crate::quantity::fit::Fit;
-use crate::text::document::keys::LIMITS;
-use crate::text::document::{LONGEST_MM, Section, section};
-use crate::text::problem::{did_you_mean, shown};
-use crate::text::words::{Word, words};
+use crate::quantity::{ErrorTerm, Fit, Interpolation, PerAxis};
+use crate::text::{LIMITS, LONGEST_MM, Section, Word, did_you_mean, section, shown, words};
 
 /// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

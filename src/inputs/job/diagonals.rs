@@ -2,12 +2,8 @@
 
 use crate::inputs::job::machine::{Axes, inside_travel};
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{PathKind, Volume};
-use crate::quantity::units::Millimetres;
-use crate::text::document::keys::Places;
-use crate::text::document::{LONGEST_MM, Section, section};
-use crate::text::words::{Word, words};
+use crate::quantity::{Axis, Direction, Millimetres, PathKind, PerAxis, Volume};
+use crate::text::{LONGEST_MM, Places, Section, Word, section, words};
 use std::ops::RangeInclusive;
 
 section! {
@@ -324,7 +320,7 @@ fn refuse_unreachable(
 mod tests {
     use super::*;
     use crate::inputs::job::{Job, LinearSlope, MeasuredData, Measurement};
-    use crate::text::document::Source;
+    use crate::text::Source;
 
     fn measurement(more: &str) -> Measurement {
         let page = format!(

@@ -1,11 +1,8 @@
 //! `[machine]`, `[limits]` and `[acceptance]`: the machine, what is refused, and what is judged by.
 
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::chain::Chain;
-use crate::quantity::units::Millimetres;
-use crate::text::document::keys::{LIMITS, Places};
-use crate::text::document::{Section, section};
+use crate::quantity::{Axis, Chain, Direction, Millimetres, PerAxis};
+use crate::text::{LIMITS, Places, Section, section};
 
 section! {
     /// The machine.

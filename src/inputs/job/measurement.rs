@@ -5,13 +5,8 @@ use crate::inputs::findings::Remark;
 use crate::inputs::job::diagonals::DiagonalMeasurement;
 use crate::inputs::job::machine::Axes;
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::PerDiagonal;
-use crate::quantity::plane::Plane;
-use crate::quantity::units::Millimetres;
-use crate::text::document::{Section, section};
-use crate::text::finding::Finding;
-use crate::text::words::{Word, words};
+use crate::quantity::{Axis, ErrorTerm, Millimetres, PerAxis, PerDiagonal, PerTerm, Plane};
+use crate::text::{Finding, Section, Word, section, words};
 
 /// Whether a compensation was active while measuring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -314,7 +309,7 @@ fn squareness(measurement: &Section<'_>, key: &'static str) -> Vec<(ErrorTerm, f
 #[cfg(test)]
 mod tests {
     use crate::inputs::job::Job;
-    use crate::text::document::Source;
+    use crate::text::Source;
 
     const PAGE: &str = r#"
 schema = 1

@@ -2,11 +2,8 @@
 
 use crate::inputs::job::machine::{Axes, inside_travel};
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::text::document::keys::Places;
-use crate::text::document::{Section, section};
-use crate::text::problem::shown;
-use crate::text::words::Word;
+use crate::quantity::{Axis, PerAxis};
+use crate::text::{Places, Section, Word, section, shown};
 use part_program::{G43WithoutH, Language, Place, Setup, WithoutPoint, system_number};
 use std::collections::BTreeMap;
 

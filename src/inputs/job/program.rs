@@ -3,12 +3,8 @@
 use crate::inputs::job::diagonals::{DiagonalMeasurement, Frame, Reflector, SetUp, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
 use crate::inputs::refusals;
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::diagonal::{PathKind, Volume};
-use crate::quantity::units::Millimetres;
-use crate::text::document::keys::Places;
-use crate::text::document::{Section, section};
-use crate::text::words::{Word, words};
+use crate::quantity::{Axis, Direction, Millimetres, PathKind, Volume};
+use crate::text::{Places, Section, Word, section, words};
 use std::ops::RangeInclusive;
 
 words! {

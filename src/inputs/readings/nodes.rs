@@ -8,9 +8,8 @@ use crate::inputs::readings::Walked;
 use crate::inputs::readings::rows::{Row, Walk};
 use crate::inputs::refusals;
 use crate::inputs::table::Content;
-use crate::quantity::axis::Axis;
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::text::problem::Problem;
+use crate::quantity::{Axis, Diagonal, Pass, PathKind};
+use crate::text::Problem;
 
 impl Walked<'_, '_> {
     /// Notes a problem of a row as a whole.

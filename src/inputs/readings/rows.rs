@@ -2,11 +2,8 @@
 
 use crate::inputs::table::{Column, Content, LENGTHS, Row as Cells, Table, count, named};
 use crate::inputs::target_runs::Values;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::text::delimited::Line;
-use crate::text::document::Source;
-use crate::text::problem::{Notes, Problems};
+use crate::quantity::{Axis, Diagonal, Pass, PerAxis};
+use crate::text::{Line, Notes, Problems, Source};
 use std::fmt;
 
 const WORDS: [&str; 3] = [

@@ -11,10 +11,8 @@ use crate::inputs::readings::rows::{Row, Walk};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content};
 use crate::inputs::target_runs::Values;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Pass, Run};
-use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM};
-use crate::text::problem::Problem;
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, Pass, PerAxis, Run, UM_PER_MM};
+use crate::text::Problem;
 
 /// No machine tool is off by a centimetre: the readings or the job are not what they seem.
 const LARGEST_DEVIATION_UM: f64 = 1e4;

@@ -3,10 +3,8 @@
 use crate::inputs::refusals::{self, RUNS};
 use crate::inputs::table::{Column, Content, LENGTHS, Reading, Table, Unit, named};
 use crate::inputs::target_runs::{Stated, Values};
-use crate::quantity::axis::Direction;
-use crate::text::delimited::{LengthUnit, Line};
-use crate::text::document::Source;
-use crate::text::problem::{Notes, Problem, Problems};
+use crate::quantity::Direction;
+use crate::text::{LengthUnit, Line, Notes, Problem, Problems, Source};
 use std::collections::BTreeSet;
 
 pub(super) struct Layout<'a> {

@@ -5,11 +5,8 @@ use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, RUN, Row, Unit, count};
 use crate::inputs::target_runs::header::{Layout, and_more};
 use crate::inputs::target_runs::{Runs, Stated, Values, approach, small_um};
-use crate::quantity::axis::Direction;
-use crate::quantity::units::{Figure, UM_PER_MM};
-use crate::text::delimited::Line;
-use crate::text::document::Source;
-use crate::text::problem::{Notes, Problem, Problems};
+use crate::quantity::{Direction, Figure, UM_PER_MM};
+use crate::text::{Line, Notes, Problem, Problems, Source};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One value of a run, with the cell it stands in.

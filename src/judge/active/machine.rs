@@ -15,12 +15,13 @@ use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
 use crate::judge::field::Pair;
 use crate::judge::findings::{InControl, InSum, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::curve::{ErrorCurve, Interpolation};
-use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres};
+use crate::quantity::{
+    AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres,
+    PerAxis, Rotation,
+};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
 use crate::read::emulator;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems};
 use crate::write::plan::{axis_names, axis_pairs, replaces_backlash};
 use crate::write::target::wants;
 

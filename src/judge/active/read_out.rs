@@ -11,10 +11,9 @@ use crate::control::table::Tables;
 use crate::inputs::job::Job;
 use crate::judge::family::family;
 use crate::judge::findings::InControl;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::read::read_out_text;
-use crate::text::finding::Severity;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Problem, Problems, Severity};
 use crate::write::plan::axis_names;
 use std::borrow::Cow;
 

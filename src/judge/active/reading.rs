@@ -6,10 +6,9 @@ use crate::control::controller::{ControlUnit, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::judge::findings::InControl;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::read::siemens::MachineDatum;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::stated_control;
 use crate::write::plan::axis_names;
 

@@ -4,10 +4,8 @@ use super::measurement::AfterMeasurement;
 use crate::inputs::error_table::Cause;
 use crate::judge::findings::AsLeft;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Millimetres;
-use crate::text::finding::Finding;
+use crate::quantity::{Axis, ErrorCurve, ErrorTerm, Millimetres};
+use crate::text::Finding;
 
 /// Gaps between the positions measured again, in gaps of the first measurement, beyond which
 /// nothing is known between them: every second position is enough, fewer are not.

@@ -4,10 +4,8 @@ use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::inputs::job::{Job, Linear, LinearSlope, MeasuredData};
 use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::diagonal::Volume;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Direction, ErrorTerm, Volume};
+use crate::text::{Finding, Problem, Problems};
 use crate::write::grid::EDGE_MM;
 
 /// Refuses a second job of another machine: serial number, travel, reference point and direction

@@ -4,8 +4,8 @@ use crate::inputs::error_table::is_simulated;
 use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::readings::Walk;
-use crate::quantity::diagonal::{PerDiagonal, Volume};
-use crate::text::finding::Finding;
+use crate::quantity::{PerDiagonal, Volume};
+use crate::text::Finding;
 
 /// A measurement of the machine with its tables active.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,9 +3,7 @@
 use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::quantity::units::{Millimetres, Squared};
+use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, Squared};
 
 /// One deviation that a value sees.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,7 @@
 
 use super::question::Question;
 use crate::judge::after::{Part, before_um};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm};
 
 /// The terms whose tables a change concerns.
 pub(super) type Terms = PerTerm<bool>;

@@ -3,8 +3,7 @@
 use super::change::Change;
 use super::question::Question;
 use crate::judge::after::{Observation, Part};
-use crate::quantity::axis::ErrorTerm;
-use crate::quantity::units::{Squared, larger, smaller};
+use crate::quantity::{ErrorTerm, Squared, larger, smaller};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;

@@ -11,8 +11,7 @@ use super::fit::ends;
 use super::hypotheses::{CHECKS, Hypothesis};
 use super::question::Question;
 use crate::judge::after::Part;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::{Figure, Millimetres};
+use crate::quantity::{Axis, Direction, ErrorTerm, Figure, Millimetres};
 
 /// What a display and a dial gauge tell apart, µm.
 const TOLD_APART_UM: f64 = 0.5;

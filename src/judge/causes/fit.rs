@@ -2,7 +2,7 @@
 
 use super::change::Change;
 use super::data::{Data, Fit, minus, plus, quantile};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::{Axis, ErrorTerm};
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this share of a column's length are rounding.

@@ -3,8 +3,7 @@
 use super::change::{Change, Fitted, Terms, number};
 use super::question::{Corrected, Question, Slip};
 use crate::judge::after::before_um;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::units::{Figure, MM_PER_INCH};
+use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, PerTerm};
 
 /// A kind of cause: its place among causes that the data cannot tell apart (what happens often stands first); its
 /// word in docs/verify.md; what happened to what it concerns, and what it usually comes from.

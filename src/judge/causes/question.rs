@@ -3,8 +3,7 @@
 use crate::judge::after::{Observation, Part, before_um};
 use crate::judge::field::Field;
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::Diagonal;
+use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis};
 
 /// A correction that no laser resolves is none, µm.
 const SMALLEST_UM: f64 = 0.01;

@@ -13,7 +13,7 @@ use crate::judge::before::Before;
 use crate::judge::family::{Side, family};
 use crate::judge::findings::{Difference, InControl, listed};
 use crate::read::ReadBack;
-use crate::text::finding::Finding;
+use crate::text::Finding;
 use crate::write::compensation::Compiled;
 
 /// Everything surplus, missing or contradictory.

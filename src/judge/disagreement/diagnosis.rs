@@ -1,7 +1,7 @@
 //! What the emulation of two sets of tables tells of them.
 
 use crate::judge::findings::Difference;
-use crate::text::finding::Finding;
+use crate::text::Finding;
 
 /// What emulation tells of two sets of tables.
 #[derive(Clone, Debug, Default)]

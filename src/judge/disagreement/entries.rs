@@ -1,6 +1,6 @@
 //! What tables hold, entry by entry: each family lists its own, and the lists are compared alike.
 
-use crate::quantity::units::rounded;
+use crate::quantity::rounded;
 use std::collections::BTreeMap;
 
 /// A number of a table, or a parameter by its name.

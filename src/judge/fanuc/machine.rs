@@ -5,8 +5,7 @@ use crate::control::controller::{ControlUnit, FanucFacts};
 use crate::control::table::fanuc::FanucMemory;
 use crate::inputs::job::{Job, MachineAxis};
 use crate::judge::findings::InControl;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::{power_of_ten, rounded};
+use crate::quantity::{Axis, PerAxis, power_of_ten, rounded};
 
 /// 1001#0 INM: whether the machine counts in inches.
 pub(super) fn unit(memory: &FanucMemory) -> Option<ControlUnit> {

@@ -7,9 +7,9 @@ use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::read::fanuc::{merge, read_out};
-use crate::text::problem::Problems;
+use crate::text::Problems;
 
 /// Functions whose parameters at 0 do nothing (docs/fanuc.md §1.1, §2).
 const IDLE_AT_ZERO: [(u32, u32); 5] =

@@ -3,7 +3,7 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::fanuc::FanucMemory;
 use crate::judge::findings::InControl;
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 use crate::write::plan::Plan;
 
 /// How a Fanuc control plays its points, and its second backlash parameter.

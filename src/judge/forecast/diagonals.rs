@@ -7,10 +7,10 @@ use super::{DiagonalForecast, Machine, within};
 use crate::judge::conformity::Sigma;
 use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::units::{AT_PLACE_MM, Millimetres, Squared, larger};
+use crate::quantity::{
+    AT_PLACE_MM, Axis, Diagonal, Direction, ErrorCurve, ErrorTerm, Millimetres, Pass, PerAxis,
+    Squared, larger,
+};
 use crate::read::emulate::Response;
 
 /// The measured box: low corner and size of each axis, mm.

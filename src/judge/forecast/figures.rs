@@ -8,10 +8,8 @@ use crate::judge::conformity::{
 };
 use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
-use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::{Millimetres, larger};
-use crate::text::finding::Finding;
+use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, larger};
+use crate::text::Finding;
 use serde::Serialize;
 
 /// A figure as measured and as the tables leave it, µm.

@@ -6,9 +6,8 @@ use super::{DiagonalForecast, Forecast, TermForecast};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Job};
 use crate::judge::conformity::Verdict;
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::larger;
-use crate::text::finding::joined;
+use crate::quantity::{Direction, ErrorTerm, larger};
+use crate::text::joined;
 use std::cmp::Ordering;
 use std::fmt;
 

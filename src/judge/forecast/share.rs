@@ -2,10 +2,10 @@
 
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::pitch::{self, USUAL_MM};
-use crate::quantity::units::{Figure, Millimetres, larger};
+use crate::quantity::pitch;
+use crate::quantity::{
+    Axis, Direction, ErrorCurve, ErrorTerm, Figure, Millimetres, PerAxis, USUAL_MM, larger,
+};
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
 /// targets of an acceptance test stay clear of the ends by half a step or so.

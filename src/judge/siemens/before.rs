@@ -7,7 +7,7 @@ use super::data::{
 use crate::control::table::Tables;
 use crate::control::table::siemens::SiemensTables;
 use crate::judge::before::{Before, ChangedBy, Old, unknown};
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 use crate::read::siemens::datum;
 use crate::write::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};

@@ -6,7 +6,7 @@ use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::judge::findings::{Difference, InControl};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue};
-use crate::text::finding::Finding;
+use crate::text::Finding;
 use std::ops::RangeInclusive;
 
 /// A machine or setting datum of the job.

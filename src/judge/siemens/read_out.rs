@@ -10,12 +10,11 @@ use crate::control::table::Tables;
 use crate::control::table::siemens::{OpenEnd, Place, SiemensTable, SiemensTables};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::UM_PER_MM;
+use crate::quantity::{Axis, PerAxis, UM_PER_MM};
 use crate::read::siemens::{
     MachineDatum, ReadOut, SiemensContents, has_active_data, is_switch, merge, read_out,
 };
-use crate::text::problem::Problems;
+use crate::text::Problems;
 
 /// Reads the files of a control.
 pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {

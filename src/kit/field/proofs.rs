@@ -8,13 +8,10 @@
 use crate::control::checklist::Listed;
 use crate::control::controller::{Evidence, Role, Statement};
 use crate::kit::made::{Made, as_kit_file};
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Axis, Direction, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, load, read_apart};
-use crate::text::finding::{Finding, joined};
-use crate::text::html::BLANK;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{BLANK, Finding, Problem, Problems, joined};
 use crate::write::compensation::trimmed;
 use crate::write::emit::{self, Emitted, Instead, RenderedFile};
 use crate::write::plan::{Plan, axis_pairs};
@@ -130,7 +127,7 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Emulated<
 pub(super) fn document(shown: &Shown) -> Value {
     let proof = &shown.proof;
     let [from, peak, to] = proof.bump.places().map(|place| place.mm());
-    let round = crate::quantity::units::picometres;
+    let round = crate::quantity::picometres;
     json!({
         "files": shown.paths,
         "sign": proof.of.sign_fact,

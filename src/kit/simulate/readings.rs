@@ -10,13 +10,12 @@ use crate::kit::manifest::HashedFile;
 use crate::machine::model::Measured;
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::readings::{DiagonalFigures, figures};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
-use crate::quantity::units::{Deviation, Figure, Millimetres, SAME_PLACE_MM, Squared};
-use crate::text::document::MOST_LINES;
-use crate::text::finding::Finding;
+use crate::quantity::{
+    Axis, Deviation, Diagonal, Direction, ErrorTerm, Figure, Millimetres, Pass, PathKind, PerAxis,
+    PerDiagonal, Run, SAME_PLACE_MM, Squared,
+};
 use crate::text::plain;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Finding, MOST_LINES, Problem, Problems};
 use crate::write::emit::TOOL;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -3,12 +3,8 @@
 use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, after_job, error_table, quoted};
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{ActiveTables, Job, LinearSlope, MeasuredData, UseOf};
-use crate::quantity::axis::Axis;
-use crate::quantity::plane::Plane;
-use crate::text::delimited::header_and_rows;
-use crate::text::document::Source;
-use crate::text::plain::line;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Plane};
+use crate::text::{Problem, Problems, Source, header_and_rows, line};
 use std::ops::Range;
 
 /// Decisions and values of the earlier day that a new kit may not take over unseen.

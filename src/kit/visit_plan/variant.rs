@@ -6,9 +6,8 @@ use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{MeasuredLine, Part, Separation};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
-use crate::quantity::units::{Millimetres, larger, rounded};
-use crate::text::finding::joined;
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, Rotation, larger, rounded};
+use crate::text::joined;
 use crate::write::program::MirrorSize;
 use serde::Serialize;
 

@@ -4,11 +4,10 @@
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{Job, MachineAxis};
 use crate::machine::findings::{ModelFinding, two_digits};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm, Rotation};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Deviation, Millimetres};
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{
+    Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerTerm, Rotation,
+};
+use crate::text::{Finding, Problem, Problems};
 
 /// How a term was measured.
 #[derive(Clone, Debug, PartialEq)]

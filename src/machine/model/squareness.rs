@@ -9,11 +9,8 @@ use crate::inputs::error_table::{Cause, ErrorTable};
 use crate::inputs::job::Job;
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
-use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::plane::Plane;
-use crate::quantity::units::Millimetres;
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, ErrorCurve, ErrorTerm, Millimetres, PerTerm, Plane};
+use crate::text::Problems;
 
 /// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
 const LEVEL_UM: f64 = 0.1;

@@ -11,10 +11,8 @@
 use super::findings::SeparationFinding;
 use super::metric::{Equation, Equations, Metric};
 use super::noise::{NORMAL_ONE_SIDED, chance_of};
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::Figure;
-use crate::text::finding::joined;
+use crate::quantity::{Axis, Diagonal, Figure, PerAxis};
+use crate::text::joined;
 
 /// Below this probability the equations contradict each other.
 const SMALL_PROBABILITY: f64 = 0.001;

@@ -11,10 +11,11 @@ use crate::inputs::job::{
     Beam, DiagonalMeasurement, Job, Linear, LinearSlope, Material, SetUp, StatedUncertainty,
 };
 use crate::machine::model::measured::{check_zeros, no_angles};
-use crate::quantity::axis::{Axis, Direction, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
-use crate::quantity::units::{Deviation, Millimetres};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{
+    Axis, Deviation, Diagonal, Direction, Millimetres, Pass, PathKind, PerAxis, PerTerm, Run,
+    Volume,
+};
+use crate::text::{Problem, Problems};
 
 /// What goes into a separation beside the readings.
 #[derive(Clone, Debug)]

@@ -27,10 +27,8 @@ use super::patterns::{Patterns, Ramps};
 use super::readings::pass_of;
 use super::uncertainty::Budget;
 use crate::inputs::job::SetUp;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Volume};
-use crate::quantity::units::Squared;
-use crate::text::finding::Finding;
+use crate::quantity::{Axis, Diagonal, PerAxis, Squared, Volume};
+use crate::text::Finding;
 
 /// More disturbed readings are counted in the doubts; the result lists them.
 const NAMED: usize = 3;

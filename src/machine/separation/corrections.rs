@@ -6,11 +6,11 @@ use super::findings::SeparationFinding;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, DiagonalMeasurement, Levers, Material, Reflector};
 use crate::machine::model::measured::has_angles;
-use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
-use crate::quantity::chain::{Chain, displaced};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::text::finding::joined;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{
+    Axis, Chain, Diagonal, Direction, Pass, PathKind, PerAxis, PerDiagonal, Rotation, Run, Volume,
+    displaced,
+};
+use crate::text::{Problem, Problems, joined};
 
 /// How far a table may fall short of the measured box, mm.
 const END_TOLERANCE_MM: f64 = 0.01;

@@ -1,8 +1,6 @@
 //! Curves, and the reference lines of ISO 230-1 that their slopes and straightness refer to.
 
-use crate::quantity::axis::Axis;
-use crate::quantity::diagonal::{Diagonal, Volume};
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Axis, Diagonal, Millimetres, Volume};
 
 /// Values of one curve at the n + 1 interval ends of its moving axis, lowest first; µm, the
 /// first is 0.

@@ -33,10 +33,8 @@ use super::patterns::Patterns;
 use super::readings::walks;
 use super::uncertainty::Budget;
 use crate::inputs::job::SetUp;
-use crate::quantity::axis::Axis;
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run};
-use crate::quantity::units::Squared;
-use crate::text::finding::{Finding, joined};
+use crate::quantity::{Axis, Diagonal, PerDiagonal, Run, Squared};
+use crate::text::{Finding, joined};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// 2 ln of the odds from which another assignment counts, however few the steps.

@@ -2,9 +2,8 @@
 
 use super::noise::{Noise, coverage_factor};
 use crate::inputs::job::{Frame, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis, PerTerm};
-use crate::quantity::units::{Figure, larger};
-use crate::text::finding::{Finding, findings, joined};
+use crate::quantity::{Axis, Figure, PerAxis, PerTerm, larger};
+use crate::text::{Finding, findings, joined};
 
 /// What to do about lines that contradict the diagonals.
 pub const CHECK: &str = "check sign, unit, `laser_sign`, the size of the box, temperature and air";

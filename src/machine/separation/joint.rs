@@ -21,10 +21,10 @@ use super::noise::{Noise, student};
 use super::separate::Separation;
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
-use crate::quantity::units::{Squared, larger};
-use crate::text::finding::joined;
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Squared, larger,
+};
+use crate::text::joined;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};

@@ -7,10 +7,8 @@ use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::plane::Plane;
-use crate::quantity::units::{Figure, Squared, rounded};
-use crate::text::finding::{Finding, joined};
+use crate::quantity::{Axis, Figure, PerAxis, Plane, Squared, rounded};
+use crate::text::{Finding, joined};
 
 /// Of step runs.
 pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> impl Iterator<Item = Found> {

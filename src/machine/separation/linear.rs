@@ -13,9 +13,7 @@
 
 use super::corrections::AngleEvidence;
 use super::noise::ReadingPlace;
-use crate::quantity::axis::Rotation;
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::units::Squared;
+use crate::quantity::{Diagonal, Pass, Rotation, Squared};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;

@@ -28,11 +28,8 @@ use super::findings::SeparationFinding;
 use super::linear::{Model, Row, Weights};
 use super::noise::Noise;
 use super::uncertainty::Uncertainty;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{PerDiagonal, Volume};
-use crate::quantity::plane::{PerPlane, Plane};
-use crate::quantity::units::Squared;
-use crate::text::finding::Finding;
+use crate::quantity::{Axis, ErrorTerm, PerAxis, PerDiagonal, PerPlane, Plane, Squared, Volume};
+use crate::text::Finding;
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector6};
 
 /// Of the largest singular value: below this a direction of the unknowns is not measured.

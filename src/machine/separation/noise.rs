@@ -14,9 +14,8 @@
 //! shared among all readings. The standard deviation is that of the others.
 
 use super::readings::of;
-use crate::quantity::diagonal::{Diagonal, Pass, Run};
-use crate::quantity::units::{Figure, Squared};
-use crate::text::words::words;
+use crate::quantity::{Diagonal, Figure, Pass, Run, Squared};
+use crate::text::words;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 

@@ -11,8 +11,7 @@ use super::noise::{
     UNRESOLVED_UM, chance_of, float, stands_out,
 };
 use super::uncertainty::Budget;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::Squared;
+use crate::quantity::{Axis, PerAxis, Squared};
 use nalgebra::{DVector, Matrix3, Vector3};
 
 /// The least-squares problem of all w.

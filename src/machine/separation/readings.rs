@@ -4,9 +4,8 @@
 use super::curves::{mean, range};
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2;
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::text::problem::Problem;
+use crate::quantity::{Axis, Diagonal, Direction, Pass, PathKind, PerDiagonal, Run, Volume};
+use crate::text::Problem;
 
 /// The mean of the runs of a pass along a diagonal.
 #[derive(Clone, Debug, PartialEq)]

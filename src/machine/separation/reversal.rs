@@ -38,10 +38,11 @@ use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
 use super::readings::Walk;
 use super::solved::Solved;
 use super::uncertainty::Budget;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
-use crate::quantity::units::{Squared, larger};
-use crate::text::finding::Finding;
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Squared,
+    Volume, larger,
+};
+use crate::text::Finding;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 

@@ -22,10 +22,11 @@ use super::solved::{NineErrors, SeparatedError, Solved, Tilt};
 use super::uncertainty::{Budget, of_length_ppm, rolls};
 use crate::inputs::error_table::Silence;
 use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::quantity::units::Deviation;
-use crate::text::finding::{Finding, Severity};
+use crate::quantity::{
+    Axis, Deviation, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,
+    Run, Volume,
+};
+use crate::text::{Finding, Severity};
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]

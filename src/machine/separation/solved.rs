@@ -12,10 +12,10 @@ use super::linear::{CurveRows, Model, Row, Variance};
 use super::metric::{Equations, Metric, UM_PER_M};
 use super::uncertainty::{Budget, Uncertainty};
 use crate::inputs::job::{Frame, SetUp};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
-use crate::quantity::plane::{PerPlane, Plane};
-use crate::quantity::units::URAD_PER_ARCSEC;
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, PerPlane, PerTerm, Plane,
+    URAD_PER_ARCSEC, Volume,
+};
 use std::sync::Arc;
 
 /// Curves as rows over what was measured, and what their slopes come from.

@@ -28,11 +28,8 @@ use super::noise::{Noise, Outlier, float};
 use super::readings::{self, Walk};
 use super::uncertainty::Budget;
 use crate::inputs::error_table::{ErrorTable, Silence};
-use crate::quantity::axis::ErrorTerm;
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::quantity::units::Squared;
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
+use crate::text::{Finding, Problem, Problems};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 

@@ -17,10 +17,10 @@ use super::linear::{Cause, Layout, Model, Part, Row, Variance};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::readings::{Group, pass_of};
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::chain::{displaced, unit};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use crate::quantity::units::{Squared, URAD_PER_ARCSEC};
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, Rotation, Squared,
+    URAD_PER_ARCSEC, Volume, displaced, unit,
+};
 use std::sync::Arc;
 
 /// A ramp below this share of the readings that make it is their rounding.

@@ -3,7 +3,7 @@
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
 use crate::machine::standards::{Condition, Met, largest, range};
-use crate::quantity::diagonal::{Diagonal, PathKind};
+use crate::quantity::{Diagonal, PathKind};
 
 /// Edition of ISO 230-6 that is meant.
 const EDITION: [u16; 1] = [2002];

@@ -11,7 +11,7 @@ pub(super) use self::conditions::{directions, number_of_targets, runs_words};
 use crate::inputs::target_runs::Runs;
 use crate::machine::separation::curves::mean;
 use crate::machine::standards::{ByDirection, largest, range};
-use crate::quantity::axis::Direction;
+use crate::quantity::Direction;
 
 /// Editions whose formulas these are.
 pub const EDITIONS: [u16; 3] = [1997, 2006, 2014];
@@ -104,7 +104,7 @@ pub struct Figures {
 /// assert_eq!(figures.e.up_um, Some(4.0));
 /// assert_eq!(figures.e.both_um, Some(8.0));
 /// assert_eq!((figures.b_um, figures.b_mean_um), (Some(4.0), Some(-3.0)));
-/// # Ok::<(), nonius::text::problem::Problem>(())
+/// # Ok::<(), nonius::text::Problem>(())
 /// ```
 pub fn figures(runs: &Runs) -> Figures {
     let targets: Vec<TargetFigures> =

@@ -8,10 +8,8 @@ use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{JudgedRange, Miss, Of, RestsOn, is_whole_travel, widest_gap_mm};
 use crate::kit::visit_plan::{Measured, Share};
 use crate::machine::separation::Part;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::Millimetres;
-use crate::text::finding::joined;
-use crate::text::html::escaped;
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
+use crate::text::{escaped, joined};
 
 /// So many of a kind stand on the first page; the parts behind it have all.
 const MOST: usize = 3;

@@ -2,9 +2,8 @@
 
 use super::{Kind, NONE, Report, linear_document};
 use crate::page::svg;
-use crate::quantity::axis::ErrorTerm;
-use crate::text::finding::once;
-use crate::text::html::escaped;
+use crate::quantity::ErrorTerm;
+use crate::text::{escaped, once};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashSet;

@@ -1,6 +1,6 @@
 //! The cubics of an error curve: how they come from measured points, and their algebra.
 
-use crate::quantity::units::Millimetres;
+use crate::quantity::Millimetres;
 
 /// c0 + c1·s + c2·s² + c3·s³ in µm, s in mm from the left knot of the interval.
 pub(crate) type Cubic = [f64; 4];

@@ -27,8 +27,7 @@
 //! Limits: t governs the worst section of a side only; elsewhere the table keeps to t and to the
 //! sampled values, and is not best section by section. A linear curve needs no exchange.
 
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::fit::Nodes;
+use crate::quantity::{ErrorCurve, Nodes};
 
 /// Exchange rounds; convergence is quadratic and four are usual. A side that needs more keeps
 /// the best values it has seen.

@@ -1,6 +1,6 @@
 //! The nodes of a table.
 
-use crate::quantity::units::Millimetres;
+use crate::quantity::Millimetres;
 
 /// The equally spaced points of a table, mm in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

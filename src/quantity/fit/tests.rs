@@ -1,5 +1,5 @@
 use super::*;
-use crate::quantity::curve::Interpolation;
+use crate::quantity::Interpolation;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 

@@ -2,9 +2,9 @@
 
 use crate::control::controller::{DeclaredFacts, Field, Order};
 use crate::control::table::listed::{ListedTable, Point, name};
-use crate::quantity::units::rounded;
+use crate::quantity::rounded;
 use crate::read::lexer::Complaint;
-use crate::text::problem::shown;
+use crate::text::shown;
 use std::ops::Range;
 
 /// Numbers of files lie below it.

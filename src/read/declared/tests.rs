@@ -1,7 +1,7 @@
 use super::*;
 use crate::control::controller::{Dialect, ProfileSource, builtin, load};
 use crate::control::table::listed::Point;
-use crate::text::document::Source;
+use crate::text::Source;
 
 fn facts_of(profile: &str) -> DeclaredFacts {
     match builtin::profile(profile).unwrap().dialect {
@@ -235,8 +235,7 @@ fn a_format_that_has_a_rule_takes_no_fact_against_it() {
 #[test]
 fn a_factor_of_0_needs_no_axis() {
     use crate::control::control_state::AxisState;
-    use crate::quantity::axis::Direction;
-    use crate::quantity::units::Millimetres;
+    use crate::quantity::{Direction, Millimetres};
     let facts = klipper();
     let axis = |name: &str| AxisState {
         reference_direction: Direction::Minus,

@@ -17,7 +17,7 @@ mod tests;
 use crate::control::control_state::ControlState;
 use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
-use crate::quantity::axis::Direction;
+use crate::quantity::Direction;
 use crate::read::emulate::{Emulated, Response};
 use crate::read::pairs::{Pair, PairControl};
 use parameters::{Loading, Run, cannot};

@@ -1,7 +1,7 @@
 //! What a row of the generic table must be, and what the rows must be to each other.
 
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Direction, ErrorTerm};
+use crate::text::{Problem, Problems};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

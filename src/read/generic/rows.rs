@@ -1,9 +1,10 @@
 //! The two forms of the generic table, CSV and `{"schema":1,"rows":[{…}, …]}`, row by row.
 
 use super::check::{Flaw, Row, checked};
-use crate::text::delimited::{Line, lines, refuse_many_columns};
-use crate::text::document::{MOST_ROWS, Source};
-use crate::text::problem::{LineIndex, Problem, Problems, nearest, refuse_long_lines, shown};
+use crate::text::{
+    Line, LineIndex, MOST_ROWS, Problem, Problems, Source, lines, nearest, refuse_long_lines,
+    refuse_many_columns, shown,
+};
 use serde::Deserialize;
 use std::borrow::Cow;
 

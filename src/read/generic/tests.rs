@@ -2,7 +2,7 @@ use super::*;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, builtin};
 use crate::control::table::Tables;
-use crate::quantity::units::Millimetres;
+use crate::quantity::Millimetres;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::emulator;
 use std::fmt::Write;

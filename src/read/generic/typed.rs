@@ -9,10 +9,11 @@
 use super::check::{Flaw, Row, checked};
 use super::rows::{Cells, columns, place_among, wrong_count};
 use crate::control::controller::TypedValue;
-use crate::quantity::units;
-use crate::text::delimited::{LengthUnit, Line, header_and_rows, refuse_many_columns};
-use crate::text::document::{MOST_ROWS, Source};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::quantity::rounded;
+use crate::text::{
+    LengthUnit, Line, MOST_ROWS, Problem, Problems, Source, header_and_rows, refuse_many_columns,
+    shown,
+};
 use std::collections::BTreeMap;
 
 /// Columns of every list.
@@ -150,7 +151,7 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
     }
     let mut of_point = |column| if index.is_some() { cells.number(column) } else { 0.0 };
     let [position_mm, zero_mm] = ["position_mm", "zero_mm"].map(&mut of_point);
-    let um = |value: f64| units::rounded(value * columns.unit.um(), DUST_DECIMALS);
+    let um = |value: f64| rounded(value * columns.unit.um(), DUST_DECIMALS);
     let point = Point {
         line,
         row: Row {
@@ -207,7 +208,7 @@ fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: 
         };
         if (total - stated).abs() > SAME {
             let unit = columns.unit.word();
-            let shown_in = |um: f64| units::rounded(um / columns.unit.um(), DUST_DECIMALS);
+            let shown_in = |um: f64| rounded(um / columns.unit.um(), DUST_DECIMALS);
             let message = format!(
                 "`{column}` adds up to {} {unit} on page {}, its sum is {} {unit}",
                 shown_in(total),
@@ -265,13 +266,11 @@ fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> 
             row.correction_um = match columns.kind {
                 TypedValue::Deviation => 0.0 - *um,
                 TypedValue::Correction => *um,
-                TypedValue::Increment => {
-                    units::rounded(sum - zero_um.unwrap_or_default(), DUST_DECIMALS)
-                }
+                TypedValue::Increment => rounded(sum - zero_um.unwrap_or_default(), DUST_DECIMALS),
             };
             row.deviation_um = 0.0 - row.correction_um;
             let change = before.replace(row.correction_um).map(|before| row.correction_um - before);
-            row.increment_um = change.map(|um: f64| units::rounded(um, DUST_DECIMALS));
+            row.increment_um = change.map(|um: f64| rounded(um, DUST_DECIMALS));
         }
     }
     problems.or_ok(())

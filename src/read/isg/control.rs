@@ -13,9 +13,9 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{IsgFacts, LeverOrigin, TableSign};
 use crate::control::table::isg::{Curve, IsgTables, Parameter};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use crate::quantity::chain::unit;
-use crate::quantity::units::{Correction, Millimetres};
+use crate::quantity::{
+    Axis, Correction, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm, Rotation, unit,
+};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
 use crate::read::pairs::known_axis;
 

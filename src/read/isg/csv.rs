@@ -2,9 +2,9 @@
 
 use super::line::{number, without_comment};
 use crate::control::table::isg::{Curve, Parameter, Point};
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
-use crate::text::problem::{Problems, shown};
+use crate::text::{Problems, shown};
 use std::ops::Range;
 
 /// What a column holds.

@@ -1,8 +1,8 @@
 //! The list of a volumetric compensation: `key value` in each line, `#` begins a comment.
 
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
-use crate::text::problem::{Problems, shown};
+use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 

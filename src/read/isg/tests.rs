@@ -1,6 +1,6 @@
 use super::read;
 use crate::control::table::isg::{IsgTables, Parameter};
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 
 /// As the maker's page prints it (TF5280, Updating the Volumetric Compensation), with a chain.
 const LIST: &str = "workpiece_axes           0\r\nX                        1\r\nY                        2\r\n\

@@ -7,7 +7,7 @@
 use crate::control::controller::LinuxcncFacts;
 use crate::control::table::listed::Point;
 use crate::read::lexer::{Complaint, Cursor, lines, located};
-use crate::text::problem::Problems;
+use crate::text::Problems;
 use std::ops::Range;
 
 /// LinuxCNC reads a line in pieces of this many characters.

@@ -8,9 +8,9 @@
 
 use crate::control::controller::{LinuxcncFacts, MOST_JOINTS};
 use crate::control::table::listed::{ListedTable, Point};
-use crate::quantity::units::rounded;
+use crate::quantity::rounded;
 use crate::read::lexer::{Complaint, Words, lines, located, words};
-use crate::text::problem::{Problems, shown};
+use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 

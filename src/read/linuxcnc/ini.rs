@@ -5,7 +5,7 @@
 
 use crate::control::controller::{Columns, ControlUnit, MOST_JOINTS};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::text::problem::{Problems, shown};
+use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 

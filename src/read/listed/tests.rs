@@ -2,7 +2,7 @@ use super::*;
 use crate::control::controller::{
     BesideTable, ControlUnit, DeclaredFacts, Dialect, Fact, Size, TableSign, builtin,
 };
-use crate::quantity::axis::Direction;
+use crate::quantity::Direction;
 use crate::read::emulate::Emulator;
 
 /// Weihong with its end values held and points anywhere.

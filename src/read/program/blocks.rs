@@ -1,7 +1,7 @@
 //! Blocks of a part program: their words, what stays in force from block to block, and what a block does.
 
 use crate::control::controller::ControlUnit;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::read::lexer::Complaint;
 use part_program::{Language, NAME, words};
 use std::ops::Range;

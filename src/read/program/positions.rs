@@ -1,8 +1,7 @@
 //! The expected positions, read back, and the files of readings that belong to them.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Diagonal, Direction, Pass, PerAxis};
+use crate::text::{Problem, Problems};
 
 /// What a set-up measures, as it is named in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,12 +1,10 @@
 //! Walks a program and says where it is not what it should be.
 
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::Pass;
-use crate::quantity::units::Figure;
+use crate::quantity::{Axis, Direction, Figure, Pass, PerAxis};
 use crate::read::lexer::{Complaint, located};
 use crate::read::program::blocks::{Action, Cancelled, Step};
 use crate::read::program::positions::Position;
-use crate::text::problem::Problems;
+use crate::text::Problems;
 use std::collections::BTreeSet;
 use std::ops::Range;
 

@@ -2,8 +2,7 @@
 
 use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{SiemensTable, SiemensTables};
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::{Finding, Problem, Problems};
 use std::collections::BTreeSet;
 use std::fmt;
 

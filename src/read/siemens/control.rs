@@ -18,8 +18,7 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, MultiplyMode, SiemensFacts};
 use crate::control::table::siemens::{SiemensTable, SiemensTables};
-use crate::quantity::axis::Direction;
-use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
+use crate::quantity::{Correction, Direction, Millimetres, UM_PER_MM};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, Emulator, NodeTable, Response};
 
 /// (MAX−MIN)/STEP may differ this much from the index of the last point, in steps; STEP is

@@ -8,7 +8,7 @@ use super::contents::{MachineDatum, MachineValue, SiemensContents, datum, is_swi
 use super::statement::Assignment;
 use super::variable::{Cell, variable};
 use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable};
-use crate::quantity::axis::Direction;
+use crate::quantity::Direction;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS};
 use std::collections::BTreeMap;
 use std::ops::Range;

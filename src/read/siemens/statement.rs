@@ -10,8 +10,7 @@
 //! program does not know could move the machine.
 
 use crate::read::lexer::{Complaint, Cursor};
-use crate::text::plain::is_unseen;
-use crate::text::problem::nearest;
+use crate::text::{is_unseen, nearest};
 use std::borrow::Cow;
 use std::ops::Range;
 

@@ -6,7 +6,7 @@ use super::contents::MachineValue;
 use super::statement::{Assignment, Value};
 use crate::control::table::siemens::Place;
 use crate::read::lexer::Complaint;
-use crate::text::problem::nearest;
+use crate::text::nearest;
 
 /// Largest table or point number that is read at all.
 const LARGEST_INDEX: u32 = 99_999;

@@ -4,11 +4,9 @@
 //! be read may come back as its default.
 
 use super::Section;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::Millimetres;
-use crate::text::plain::is_unseen;
-use crate::text::problem::shown;
+use crate::quantity::{Axis, Direction, Millimetres, PerAxis};
 use crate::text::refused;
+use crate::text::{is_unseen, shown};
 use std::ops::RangeInclusive;
 
 /// What a place may pass the travel by: the last digit of a coordinate, mm.

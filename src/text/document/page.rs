@@ -1,9 +1,8 @@
 //! A page of TOML: read, and its problems with their places.
 
-use crate::text::document::section::{Notes, Section, empty_keys};
-use crate::text::document::{LARGEST_PAGE, Source, refuse_large_page};
-use crate::text::problem::{Place, Problem, Problems, shown};
+use super::section::{Notes, Section, empty_keys};
 use crate::text::refused;
+use crate::text::{LARGEST_PAGE, Place, Problem, Problems, Source, refuse_large_page, shown};
 use std::ops::Range;
 use toml::de::DeTable;
 

@@ -41,7 +41,7 @@ macro_rules! section {
 
         impl $name {
             /// Its keys, in the order in which they are read.
-            $how const KEYS: &'static [Option<$crate::text::document::Key>] = &[$(
+            $how const KEYS: &'static [Option<$crate::text::Key>] = &[$(
                 $crate::text::part!(
                     @key $crate::text::part!(@name $field $($key)?),
                     concat!($($words),*), $type $(, $read)?
@@ -73,7 +73,7 @@ macro_rules! part {
     (@name $field:ident $key:ident) => { stringify!($key) };
     (@key $name:expr, $words:expr, $type:ty) => { None };
     (@key $name:expr, $words:expr, $type:ty, $read:ident) => {
-        Some($crate::text::document::Key {
+        Some($crate::text::Key {
             name: $name,
             words: $words,
             of: stringify!($type),

@@ -1,8 +1,7 @@
 //! One section of a page, read key by key.
 
-use crate::text::finding::once;
-use crate::text::problem::{Problem, Problems, did_you_mean, nearest, shown};
 use crate::text::refused;
+use crate::text::{Problem, Problems, did_you_mean, nearest, once, shown};
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
 use std::cell::RefCell;

@@ -1,9 +1,9 @@
 //! The machine as the tables of a control leave it.
 
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Direction, Rotation};
-use crate::quantity::curve::{ErrorCurve, Interpolation, JUMP_MM};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::{
+    Deviation, Direction, ErrorCurve, Interpolation, JUMP_MM, Millimetres, Rotation,
+};
 use crate::read::emulate::{Emulated, Emulator, Response, Stretch};
 use crate::volume::volume_model::VolumeModel;
 use crate::write::plan::{Plan, axis_pairs};

@@ -1,6 +1,6 @@
 //! The error vectors of a grid, kept as three lists of nodes instead of one vector a point.
 
-use crate::quantity::axis::Axis;
+use crate::quantity::Axis;
 use std::collections::HashSet;
 use std::ops::{Add, Mul, Sub};
 

@@ -1,6 +1,6 @@
 //! Smallest and largest values along a path, with the places where they are, and where a polynomial turns.
 
-use crate::text::words::words;
+use crate::text::words;
 use part_program::Place;
 use serde::Serialize;
 

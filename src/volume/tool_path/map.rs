@@ -2,8 +2,7 @@
 //! nodes of each axis.
 
 use crate::inputs::job::Job;
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::curve::{Interpolation, JUMP_MM};
+use crate::quantity::{Axis, Interpolation, JUMP_MM, PerAxis};
 use crate::volume::space::pair::cross;
 use crate::volume::volume_model::{AxisState, Nodes, VolumeModel};
 use part_program::Place;
@@ -27,7 +26,7 @@ struct AxisPieces {
 /// ```text
 ///   e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃ + (r₁ + r₂ + r₃) × t           1, 2, 3: workpiece → tool
 /// ```
-/// The formula of [`crate::quantity::chain::displaced`], in half of its time. t is what the tool is longer than the one
+/// The formula of [`crate::quantity::displaced`], in half of its time. t is what the tool is longer than the one
 /// that was measured with: (0, 0, −ΔL). Rotations swing it; squareness, a slope of dᵢ, tilts the way of an axis and not
 /// what it carries ([`crate::volume::volume_model`]), so ΔL adds nothing to it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! The extremes of a path against what is found by dense sampling.
 use super::*;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis};
 use crate::volume::volume_model::AxisState;
 use part_program::{Arc, Move, Place, Plane, Shape};
 use proptest::prelude::*;

@@ -3,10 +3,8 @@
 
 use super::{Component, MM_PER_M, VolumeModel};
 use crate::inputs::job::Job;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::SAME_PLACE_MM;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, ErrorCurve, ErrorTerm, PerAxis, Rotation, SAME_PLACE_MM};
+use crate::text::{Problem, Problems};
 use crate::volume::space::grid_map::{AxisNode, GridMap, Node};
 
 /// The positions of each axis, mm, ascending.

@@ -3,10 +3,8 @@
 use super::{Component, VolumeModel};
 use crate::inputs::job::Job;
 use crate::machine::model::{ErrorModel, Measured};
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::chain::{LeverEffect, unit};
-use crate::quantity::units::Millimetres;
-use crate::text::finding::Finding;
+use crate::quantity::{Axis, ErrorTerm, LeverEffect, Millimetres, PerAxis, Rotation, unit};
+use crate::text::Finding;
 use crate::volume::findings::VolumeFinding as Found;
 use serde::Serialize;
 

@@ -8,10 +8,10 @@
 use crate::control::controller::{DeclaredFacts, Factor};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables};
-use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::fit::{Nodes, residual};
-use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
-use crate::text::problem::Problems;
+use crate::quantity::{
+    Axis, Deviation, ErrorTerm, Millimetres, Nodes, UM_PER_MM, power_of_ten, residual, rounded,
+};
+use crate::text::Problems;
 use crate::write::compiled::{Compiled, Placement, control_state};
 use crate::write::control_text::fixed;
 use crate::write::family::ProofOf;

@@ -4,9 +4,8 @@
 
 use crate::control::controller::{Typed, TypedValue};
 use crate::control::table::listed::{ListedTable, ListedTables};
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Figure, rounded};
-use crate::text::delimited::LengthUnit;
+use crate::quantity::{Direction, ErrorTerm, Figure, rounded};
+use crate::text::LengthUnit;
 use crate::write::family::Emitted;
 use crate::write::listed::DUST_DECIMALS;
 use crate::write::seen::{Seen, seen};

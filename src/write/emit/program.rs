@@ -2,10 +2,8 @@
 
 use crate::control::controller::ControlUnit;
 use crate::inputs::job::{Reflector, RunType, TargetGrid};
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::Pass;
-use crate::text::problem::{Problem, Problems, shown};
-use crate::text::words::words;
+use crate::quantity::{Axis, Direction, Pass, PerAxis};
+use crate::text::{Problem, Problems, shown, words};
 use crate::write::control_text::{COMMENT_TEXT, ascii, fixed, is_comment_text, trimmed};
 use crate::write::emit::{TOOL, Templates, bytes_of};
 use crate::write::program::{

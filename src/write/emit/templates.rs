@@ -1,8 +1,7 @@
 //! The templates of a profile, each parsed once. The only user of Tera beside its contexts.
 
 use crate::control::controller::Template;
-use crate::text::document::LARGEST_FILE_MIB;
-use crate::text::problem::{Place, Problem};
+use crate::text::{LARGEST_FILE_MIB, Place, Problem};
 use crate::write::emit::layout::{Layout, Wrong};
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -169,8 +168,8 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
 #[cfg(test)]
 mod tests {
     use super::{Template, Templates};
+    use crate::text::Problems;
     use crate::text::plain::tests::texts_of;
-    use crate::text::problem::Problems;
     use proptest::prelude::*;
     use serde_json::json;
 

@@ -1,8 +1,8 @@
 //! Point numbers: which axis gets which, without overlap.
 
 use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
-use crate::quantity::axis::Axis;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::Axis;
+use crate::text::{Problem, Problems};
 use crate::write::grid::Grid;
 use crate::write::task::{Plan, Task};
 

@@ -6,8 +6,8 @@
 use crate::control::controller::{FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
-use crate::quantity::units::Deviation;
-use crate::text::problem::Problems;
+use crate::quantity::Deviation;
+use crate::text::Problems;
 use crate::write::compiled::Bump;
 use crate::write::family::ProofOf;
 use crate::write::fanuc::numbers::{Run, runs};

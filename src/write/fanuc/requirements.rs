@@ -2,8 +2,8 @@
 
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::FanucFacts;
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, Direction};
+use crate::text::Problems;
 use crate::write::compiled::backlash_parameter;
 use crate::write::control_text::trimmed;
 use crate::write::fanuc::numbers::{Run, is_four_point};

@@ -12,9 +12,8 @@
 use crate::control::controller::{FanucFacts, IntervalForm, TableSign};
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::AxisSettings;
-use crate::quantity::axis::{Axis, Direction};
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, Direction};
+use crate::text::{Finding, Problems};
 use crate::write::compiled::Placement;
 use crate::write::fanuc::four_point::best_fit;
 use crate::write::fanuc::numbers::{Run, Space, is_four_point};

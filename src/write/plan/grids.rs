@@ -4,11 +4,8 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{
     AxisSettings, GridRequest, MachineAxis, OutsideMeasured, without_grid, without_unit,
 };
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::fit::{residual, table_values};
-use crate::quantity::units::{Deviation, Millimetres};
-use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Deviation, Millimetres, PerAxis, residual, table_values};
+use crate::text::{Finding, Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit, as_number};

@@ -5,8 +5,8 @@
 
 use crate::inputs::error_table::Heading;
 use crate::inputs::job::Limits;
-use crate::quantity::units::{Deviation, UM_PER_MM};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Deviation, UM_PER_MM};
+use crate::text::{Problem, Problems};
 use crate::write::task::{PlannedTable, Task};
 
 /// No machine tool is off by more, µm: beyond it the unit of the column is the likelier cause.

@@ -3,11 +3,9 @@
 use crate::inputs::job::{
     DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
 };
-use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::pitch;
-use crate::quantity::units::rounded;
-use crate::text::finding::Finding;
-use crate::text::problem::Problems;
+use crate::quantity::{Axis, PerAxis, rounded};
+use crate::text::{Finding, Problems};
 use crate::write::findings::RunFinding;
 use crate::write::program::route::{moving, readings_of};
 use crate::write::program::run::{MOST_READINGS, problem};

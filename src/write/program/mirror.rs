@@ -12,9 +12,7 @@
 //! Preload and overrun lie beside the cell ends by p − (p·u)u.
 
 use crate::inputs::job::{ProgramRequest, RunType};
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, PathKind};
-use crate::quantity::units::Squared;
+use crate::quantity::{Axis, Diagonal, Direction, PathKind, PerAxis, Squared};
 
 /// Size of the mirror that a step diagonal needs, without the diameter of the beam; the same for
 /// all four diagonals, because their spots are mirror images.

@@ -1,8 +1,8 @@
 //! What a run leaves open, said before it is measured, with the measurement that closes it.
 
 use crate::inputs::job::{Job, MeasuredData, ProgramRequest, RunType};
-use crate::quantity::axis::Axis;
-use crate::text::finding::{Finding, findings};
+use crate::quantity::Axis;
+use crate::text::{Finding, findings};
 
 /// Axes measured along their length that determine all scales (docs/method.md §5).
 const LINEAR_AXES: usize = 2;

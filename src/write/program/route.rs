@@ -2,9 +2,8 @@
 //! one set-up, in both directions.
 
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid, WayBack};
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::text::problem::{Problem, Problems};
+use crate::quantity::{Axis, Diagonal, Direction, Pass, PathKind, PerAxis};
+use crate::text::{Problem, Problems};
 use crate::write::program::run::problem;
 use crate::write::program::{Digits, Move, PlannedReading, Resolution, SetUpProgram, Subject};
 

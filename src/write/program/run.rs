@@ -3,11 +3,8 @@
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Profile, builtin};
 use crate::inputs::job::{Job, ProgramRequest};
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::units::{Squared, power_of_ten};
-use crate::text::finding::Finding;
-use crate::text::problem::Problem;
+use crate::quantity::{Axis, Diagonal, Pass, PerAxis, Squared, power_of_ten};
+use crate::text::{Finding, Problem};
 use crate::write::grid::{as_number, whole};
 use crate::write::program::mirror::MirrorSize;
 

@@ -6,8 +6,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::inputs::job::ActiveTables;
-use crate::quantity::axis::Axis;
-use crate::quantity::units::{Figure, UM_PER_MM, power_of_ten};
+use crate::quantity::{Axis, Figure, UM_PER_MM, power_of_ten};
 use crate::write::compiled::backlash_parameter;
 use crate::write::task::{Plan, PlannedTable, Task};
 

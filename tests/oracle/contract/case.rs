@@ -6,9 +6,7 @@ use nonius::control::controller::{Dialect, Profile, StraightnessForm};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 use nonius::kit::{Inputs, Kit};
-use nonius::quantity::axis::{Direction, ErrorTerm};
-use nonius::quantity::curve::Interpolation;
-use nonius::quantity::units::power_of_ten;
+use nonius::quantity::{Direction, ErrorTerm, Interpolation, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::write::findings::TableFinding;
 

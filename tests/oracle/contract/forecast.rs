@@ -4,8 +4,7 @@ use super::case::{Case, Held, NEAR_UM};
 use crate::support::machine::{Errors, Term};
 use crate::support::{self, DUST_UM, um_at};
 use nonius::judge::forecast::TermForecast;
-use nonius::quantity::axis::{Axis, Direction};
-use nonius::quantity::curve::Interpolation;
+use nonius::quantity::{Axis, Direction, Interpolation};
 use nonius::read::emulate::Response;
 
 /// (b) The forecast is the largest of what a dense look finds, and not much more.

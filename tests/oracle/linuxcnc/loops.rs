@@ -6,7 +6,7 @@ use super::machine::{Machine, stands};
 use crate::support::{control, generate, response, text_of, um_at};
 use nonius::control::controller::Role;
 use nonius::kit::Kit;
-use nonius::quantity::axis::Direction;
+use nonius::quantity::Direction;
 use nonius::read::emulate::{Emulator, Response};
 
 /// What the emulator may differ from the control, µm; the rounding of what is printed comes on top.

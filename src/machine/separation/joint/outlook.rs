@@ -16,9 +16,7 @@ use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Cause, Part, Row, Variance};
 use crate::machine::separation::noise::{float, student};
 use crate::machine::separation::separate::Separation;
-use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::units::{Millimetres, larger};
+use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, larger};
 use rand_distr::{ChiSquared, Distribution};
 
 /// Visits that are drawn: a share of them is known to 5 %.

@@ -4,10 +4,8 @@ use crate::inputs::target_runs::Runs;
 use crate::machine::findings::StandardFinding;
 use crate::machine::standards::iso_230_2::EDITIONS;
 use crate::machine::standards::{Condition, Met, in_words, range};
-use crate::quantity::axis::Direction;
-use crate::quantity::units::UM_PER_MM;
-use crate::text::finding::Finding;
-use crate::text::problem::Problem;
+use crate::quantity::{Direction, UM_PER_MM};
+use crate::text::{Finding, Problem};
 
 /// Above this length of travel other conditions hold, mm.
 pub const LONG_AXIS_MM: f64 = 2000.0;

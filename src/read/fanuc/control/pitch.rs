@@ -12,8 +12,7 @@
 use super::parameters::{Loading, Run, cannot, name};
 use crate::control::controller::{ControlUnit, IntervalForm, NumberRange};
 use crate::control::table::fanuc::ParameterValue;
-use crate::quantity::axis::Direction;
-use crate::quantity::units::{Correction, Millimetres, power_of_ten};
+use crate::quantity::{Correction, Direction, Millimetres, power_of_ten};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
 
 /// 3627 is a signed word (B-63530EN).

@@ -10,7 +10,7 @@
 use super::parameters::{Loading, Run, cannot, name};
 use super::pitch::{Grid, lies_in, node_sums};
 use crate::control::controller::{NumberRange, StraightnessForm};
-use crate::quantity::units::Correction;
+use crate::quantity::Correction;
 use crate::read::emulate::{Between, Emulated, NodeTable};
 
 /// Sets that the numbers leave room for: 5731 + 10·(s − 1) reaches the amounts at s = 4, and

@@ -5,7 +5,7 @@ mod refusals;
 use super::*;
 use crate::control::control_state::AxisState;
 use crate::control::controller::{ControlUnit, IntervalForm, StraightnessForm, TableSign};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::{Deviation, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::fanuc::read;
 use crate::read::fanuc::tests::{facts_16i, facts_30i};

@@ -1,8 +1,7 @@
 use super::IsgControl;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Evidence, Fact, IsgFacts, LeverOrigin, TableSign};
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Axis, Direction, Millimetres, PerAxis};
 use crate::read::emulate::Emulator;
 use crate::read::isg::read;
 

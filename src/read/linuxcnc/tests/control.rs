@@ -2,8 +2,7 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Dialect, builtin};
 use crate::control::table::listed::ListedTables;
-use crate::quantity::axis::Direction;
-use crate::quantity::units::Millimetres;
+use crate::quantity::{Direction, Millimetres};
 use crate::read::emulate::Emulator;
 use crate::read::linuxcnc::read;
 use crate::read::pairs::PairControl;
