@@ -23,11 +23,11 @@ use crate::kit::remarks;
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems};
 use crate::write::compensation::{Compiled, displayed, uses};
-use crate::write::emit::{self, RenderedFile};
+use crate::write::emit::{self, RenderedFile, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// What is written beside the tables of a kit.
 pub(super) struct FieldKit {
@@ -69,12 +69,8 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let parts = parts(&task.profile.checklist, &facts);
     let sign_proofs = shown.iter().map(proofs::document).collect();
     let misses = misses(made);
-    files.extend(emit::render_checklist(
-        task,
-        &made.templates,
-        compiled,
-        json!({ "head": head(made, &misses), "parts": parts, "about": about(made, &misses) }),
-    )?);
+    let words = Words { head: head(made, &misses), parts, about: about(made, &misses) };
+    files.extend(emit::render_checklist(task, &made.templates, compiled, &words)?);
     Ok(FieldKit { files, sign_proofs, notes })
 }
 

@@ -1,7 +1,6 @@
 //! Text of others as HTML: nothing in it is obeyed.
 
 use crate::text::plain;
-use serde_json::Value;
 
 /// Where a person writes, in texts for a page.
 pub(crate) const BLANK: &str = "________";
@@ -17,17 +16,14 @@ const MARKS: [(&str, &str); 3] = [("**", "strong"), ("*", "em"), ("`", "code")];
 
 /// Text of people as text of a page or a drawing.
 pub(crate) fn escaped(text: &str) -> String {
+    const NAMES: [(char, &str); 5] =
+        [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;"), ('\'', "&#39;")];
     let text = plain::line(text);
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
+    for part in text.split_inclusive(NAMES.map(|(sign, _)| sign)) {
+        let name = NAMES.iter().find(|(sign, _)| part.ends_with(*sign));
+        out.push_str(name.map_or(part, |_| &part[..part.len() - 1]));
+        out.push_str(name.map_or("", |(_, name)| name));
     }
     out
 }
@@ -35,16 +31,6 @@ pub(crate) fn escaped(text: &str) -> String {
 /// A text of the checklist: escaped, its marks as elements, [`BLANK`] as a place to write on, [`BOX`] as one to tick.
 pub(crate) fn marked(text: &str) -> String {
     elements(&escaped(&text.replace('\n', " ")))
-}
-
-/// Every text of a context as HTML.
-pub(crate) fn each_text(context: &mut Value, as_html: fn(&str) -> String) {
-    match context {
-        Value::String(text) => *text = as_html(text),
-        Value::Array(list) => list.iter_mut().for_each(|own| each_text(own, as_html)),
-        Value::Object(map) => map.values_mut().for_each(|own| each_text(own, as_html)),
-        Value::Null | Value::Bool(_) | Value::Number(_) => {}
-    }
 }
 
 fn elements(text: &str) -> String {

@@ -1,7 +1,7 @@
 //! Numbers and texts as they stand in a control's files, which are ASCII: letters of other scripts as the
 //! Latin letters that stand for them, German umlauts as German writes them without (ä → ae).
 
-use crate::quantity::Figure;
+use crate::quantity::{Figure, power_of_ten};
 use crate::text::is_unseen;
 use crate::write::seen::{Seen, seen};
 use deunicode::deunicode_with_tofu;
@@ -46,9 +46,19 @@ impl Instead<'_> {
     }
 }
 
-/// A number with a fixed number of decimals, never `-0`.
+/// A number with a fixed number of decimals, never `-0`. Where it is the nearest to so many last digits, and they are
+/// far from all that it can tell apart, they are its text: nothing has to be searched.
+#[allow(clippy::cast_possible_truncation, reason = "a whole number of up to 15 digits")]
 pub(crate) fn fixed(number: f64, decimals: u32) -> String {
-    format!("{:.*}", decimals as usize, Figure(number))
+    let (scale, places) = (power_of_ten(decimals), decimals as usize);
+    let digits = (number * scale).round();
+    let is_nearest = (digits / scale).to_bits() == (number + 0.0).to_bits();
+    if !(decimals > 0 && digits.abs() <= 1e15 && is_nearest) {
+        return format!("{:.*}", places, Figure(number));
+    }
+    let sign = if digits < 0.0 { "-" } else { "" };
+    let (digits, scale) = (digits.abs() as u64, scale as u64);
+    format!("{sign}{}.{:0places$}", digits / scale, digits % scale)
 }
 
 /// The same without trailing zeros.
@@ -125,6 +135,18 @@ mod tests {
             assert_eq!(ascii(name), expected);
         }
         assert!(ascii("机床 7").is_ascii() && !ascii("机床 \u{e000}").contains('?'));
+    }
+
+    #[test]
+    fn numbers_are_written_as_the_formatter_does() {
+        use proptest::prelude::*;
+        let number = (-1_000_000_000_i64..1_000_000_000, 0..14_u32, -1e-9..1e-9_f64);
+        proptest!(|((digits, of, beside) in number, decimals in 0..14_u32)| {
+            for number in [digits as f64 / power_of_ten(of), digits as f64 / power_of_ten(of) + beside] {
+                let usual = format!("{:.*}", decimals as usize, Figure(number));
+                prop_assert_eq!(fixed(number, decimals), usual);
+            }
+        });
     }
 
     #[test]

@@ -12,12 +12,13 @@ pub use crate::write::control_text::{Instead, Switch};
 pub(crate) use crate::write::family::Emitted;
 pub use templates::Templates;
 
+use crate::control::checklist::{Paragraph, Part};
 use crate::control::controller::{EmittedFile, Encoding, Profile, Role, Template, builtin};
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::Direction;
 use crate::text::plain;
-use crate::text::{Finding, Problem, Problems, each_text, escaped, is_unseen, marked, shown};
+use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
 use crate::write::family::family;
@@ -52,22 +53,40 @@ pub struct Context(Seen);
 /// The same as the engine holds it, for files or, with every text as HTML, for pages.
 fn seen_by(emitted: &Emitted<'_>, is_page: bool) -> Result<tera::Context, Problems> {
     let own = context_of(emitted)?;
-    if is_page {
-        return Ok(tera_context(&as_html(own, escaped)?)?);
-    }
-    let mut seen = tera::Context::new();
-    let named = own.into_map().into_iter().flatten();
-    let named = named.filter_map(|(name, own)| Some((name.as_str()?.to_string(), own)));
-    named.for_each(|(name, own)| seen.insert_value(name, own));
-    Ok(seen)
+    Ok(match is_page {
+        true => page_of(&own, escaped),
+        false => engine_context(own),
+    })
 }
 
-/// Names with every text as HTML, and the style of a page.
-fn as_html(names: impl Serialize, text: fn(&str) -> String) -> Result<Value, Problem> {
-    let mut names = serde_json::to_value(names).map_err(no_context)?;
-    each_text(&mut names, text);
-    names["style"] = PAGE_STYLE.into();
-    Ok(names)
+/// Names as the engine takes them.
+fn engine_context(names: Seen) -> tera::Context {
+    let mut seen = tera::Context::new();
+    let named = names.into_map().into_iter().flatten();
+    let named = named.filter_map(|(name, own)| Some((name.as_str()?.to_string(), own)));
+    named.for_each(|(name, own)| seen.insert_value(name, own));
+    seen
+}
+
+/// The same with every text as HTML, and the style of a page.
+fn page_of(names: &Seen, text: fn(&str) -> String) -> tera::Context {
+    let mut seen = engine_context(as_html(names, text));
+    seen.insert("style", PAGE_STYLE);
+    seen
+}
+
+fn as_html(seen: &Seen, text: fn(&str) -> String) -> Seen {
+    match (seen.as_str(), seen.as_array(), seen.as_map()) {
+        (Some(own), ..) => text(own).into(),
+        (_, Some(list), _) => {
+            list.iter().map(|own| as_html(own, text)).collect::<Vec<Seen>>().into()
+        }
+        (.., Some(names)) => {
+            let each = names.iter().map(|(name, own)| (name.clone(), as_html(own, text)));
+            each.collect::<Map>().into()
+        }
+        _ => seen.clone(),
+    }
 }
 
 /// A list that a profile asks for; one that this control does not have is a problem: its file would never be written.
@@ -240,13 +259,23 @@ pub(crate) fn render_unread(
     render_those(&Templates::default(), &emitted, EmittedFile::is_loaded_unread)
 }
 
+/// What a checklist says.
+#[derive(Serialize)]
+pub(crate) struct Words {
+    pub(crate) head: Vec<Paragraph>,
+    pub(crate) parts: Vec<Part>,
+    /// What to know of this kit.
+    pub(crate) about: Vec<String>,
+}
+
 /// The checklist, for people: line ends of every computer, not of the control.
 pub(crate) fn render_checklist(
     task: Task<'_>,
     templates: &Templates,
     compiled: &Compiled,
-    words: Value,
+    words: &Words,
 ) -> Result<Vec<RenderedFile>, Problems> {
+    let words = Seen::try_from_serializable(words).map_err(no_context)?;
     let head = head_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()));
     const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
     let names = head.into_map().unwrap_or_default().into_iter();
@@ -255,7 +284,12 @@ pub(crate) fn render_checklist(
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
-        let seen = checklist_context(file, &names, &words)?;
+        // As HTML where the file is a page.
+        let [mut seen, names] = match file.is_page() {
+            true => [page_of(&words, marked), page_of(&names, escaped)],
+            false => [&words, &names].map(|own| engine_context(own.clone())),
+        };
+        seen.extend(names);
         let text = templates.text(&file.template, &seen)?;
         let text = plain::page(&text.replace("\r\n", "\n")).into_owned();
         rendered.push(RenderedFile {
@@ -267,33 +301,13 @@ pub(crate) fn render_checklist(
     Ok(rendered)
 }
 
-/// What the template of a checklist sees: names and words, as HTML where the file is a page.
-fn checklist_context(
-    file: &EmittedFile,
-    names: &Seen,
-    words: &Value,
-) -> Result<tera::Context, Problem> {
-    if !file.is_page() {
-        let mut seen = tera_context(words)?;
-        seen.extend(tera_context(names)?);
-        return Ok(seen);
-    }
-    let mut seen = tera_context(&as_html(words, marked)?)?;
-    seen.extend(tera_context(&as_html(names, escaped)?)?);
-    Ok(seen)
-}
-
-fn tera_context(context: &impl Serialize) -> Result<tera::Context, Problem> {
-    tera::Context::from_serialize(context).map_err(no_context)
-}
-
 fn no_context(error: impl std::fmt::Display) -> Problem {
     Problem::new(format!("the context of the templates cannot be made: {error}"))
 }
 
 /// A built-in template, filled in for people.
 pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
-    let seen = tera_context(context)?;
+    let seen = tera::Context::from_serialize(context).map_err(no_context)?;
     let text = builtin::template(name).unwrap_or_default();
     Templates::default().text(&Template { name: name.to_string(), text }, &seen)
 }
@@ -343,8 +357,10 @@ fn is_blank(c: char) -> bool {
 /// characters that a person does not see go to no control.
 pub(crate) fn bytes_of(path: &str, text: &str, profile: &Profile) -> Result<Vec<u8>, Problem> {
     let mut lines = text.split('\n').map(|line| line.strip_suffix('\r').unwrap_or(line));
+    let is_plain = |byte: u8| (b' '..=b'~').contains(&byte) || byte == b'\t';
     let unseen = |c: char| c != '\t' && (is_unseen(c) || is_blank(c));
-    if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| line.contains(unseen)) {
+    let has_unseen = |line: &str| !line.bytes().all(is_plain) && line.contains(unseen);
+    if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| has_unseen(line)) {
         let message = format!(
             "line {number} of `{}` would hold a character that is not seen: `{}`",
             shown(path),

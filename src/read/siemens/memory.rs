@@ -77,6 +77,8 @@ pub(super) struct Memory {
     tables: BTreeMap<Place, Draft>,
     /// The first switch behind the last `NEWCONF`.
     waiting: Option<String>,
+    /// Whether a switch was on.
+    was_on: bool,
     /// What is known before the end of the file.
     pub(super) all: SiemensContents,
 }
@@ -137,7 +139,7 @@ impl Memory {
             Err(_) if draft.complaints.len() >= MOST_COMPLAINTS => {}
             Err(complaint) => draft.complaints.push(complaint),
         }
-        if self.writer == Writer::Control || draft.protected {
+        if self.writer == Writer::Control || draft.protected || !self.was_on {
             return Ok(());
         }
         let (switch, index) = match place {
@@ -153,6 +155,8 @@ impl Memory {
     }
 
     fn set_machine(&mut self, datum: MachineDatum) {
+        self.was_on |=
+            is_switch(&datum.variable) && datum.value.number().is_some_and(|on| on > 0.0);
         if datum.variable.starts_with("$MA_") && is_switch(&datum.variable) {
             self.waiting.get_or_insert_with(|| datum.variable.clone());
         }

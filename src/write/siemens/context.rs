@@ -9,15 +9,16 @@ use crate::write::family::Emitted;
 use crate::write::seen::{Seen, seen};
 use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
+use std::cell::RefCell;
 
 pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Seen {
     let Emitted { task, compiled, instead, .. } = *emitted;
-    let digits = Digits { facts, as_read: instead.as_read };
+    let digits = Digits { facts, as_read: instead.as_read, places: RefCell::default() };
     let placements = match instead.names_terms {
         true => compiled.placements.as_slice(),
         false => &[],
     };
-    let of_table = |table| of_table(table, placements, digits);
+    let of_table = |table| of_table(table, placements, &digits);
     let held = |table| held(&compiled.state, facts, table);
     seen! {
         "lec": tables.lec().map(of_table).collect::<Vec<Seen>>(),
@@ -54,7 +55,7 @@ fn held(state: &ControlState, facts: &SiemensFacts, table: &SiemensTable) -> Opt
     (value.abs() > 0.0).then(|| format!("  {name}: {text} {unit}{way}"))
 }
 
-fn of_table(table: &SiemensTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
+fn of_table(table: &SiemensTable, placements: &[Placement], digits: &Digits<'_>) -> Seen {
     let title = title(placements, &table.place.name());
     let (grid, points) = (digits.grid(&table.grid), digits.points(&table.values, &table.grid));
     let memory = table.values.len().to_string();
@@ -94,15 +95,16 @@ fn title(placements: &[Placement], place: &str) -> String {
 }
 
 /// How numbers become text.
-#[derive(Clone, Copy)]
 struct Digits<'a> {
     facts: &'a SiemensFacts,
     /// All digits of a number that has more than the profile writes.
     as_read: bool,
+    /// The points of the last grid: tables of an axis have the same, and their number and position as text are shared.
+    places: RefCell<(Option<SiemensGrid>, Vec<[Seen; 2]>)>,
 }
 
 impl Digits<'_> {
-    fn text(self, number: f64, decimals: u32) -> String {
+    fn text(&self, number: f64, decimals: u32) -> String {
         let text = fixed(number, decimals);
         if self.as_read && text.parse() != Ok(number) {
             return format!("{number}");
@@ -110,19 +112,25 @@ impl Digits<'_> {
         text
     }
 
-    fn grid(self, grid: &SiemensGrid) -> Seen {
+    fn grid(&self, grid: &SiemensGrid) -> Seen {
         let text = |number: f64| self.text(number, self.facts.position_decimals.value);
         seen! { "min": text(grid.min), "step": text(grid.step), "max": text(grid.max) }
     }
 
-    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Seen> {
-        let of_point = |(index, value): (usize, &Option<f64>)| {
+    fn points(&self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Seen> {
+        let mut known = self.places.borrow_mut();
+        if known.0.as_ref() != Some(grid) || known.1.len() != values.len() {
+            let position = |index| fixed(grid.position(index), self.facts.position_decimals.value);
+            let place = |index: usize| [index.to_string().into(), position(index).into()];
+            *known = (Some(grid.clone()), (0..values.len()).map(place).collect());
+        }
+        let of_point = |([index, position], value): (&[Seen; 2], &Option<f64>)| {
             Some(seen! {
-                "index": index.to_string(),
-                "position": fixed(grid.position(index), self.facts.position_decimals.value),
+                "index": index.clone(),
+                "position": position.clone(),
                 "value": self.text((*value)?, self.facts.value_decimals.value),
             })
         };
-        values.iter().enumerate().filter_map(of_point).collect()
+        known.1.iter().zip(values).filter_map(of_point).collect()
     }
 }
