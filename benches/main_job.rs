@@ -5,7 +5,7 @@ use nonius::control::controller::builtin;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::kit::{Inputs, emulator, forecast, generate};
-use nonius::visit::memory::Memory;
+use nonius::visit::files::Memory;
 use std::hint::black_box;
 use nonius::quantity::{Direction, Millimetres};
 use nonius::text::Source;

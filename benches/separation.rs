@@ -6,7 +6,7 @@ use nonius::inputs::readings::Readings;
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::{Campaign, MeasuredLine, separate};
-use nonius::visit::memory::Memory;
+use nonius::visit::files::Memory;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};

@@ -6,11 +6,11 @@ mod machine_h;
 use criterion::{Criterion, criterion_group, criterion_main};
 use machine_h::machine_h;
 use nonius::volume::space::boxes::Boxes;
-use nonius::volume::space::cloud;
+use nonius::volume::space::diameter;
 use nonius::volume::space::diameter::WindowMap;
 use nonius::volume::space::diameter::diameter;
 use nonius::volume::space::grid_map::Vector;
-use nonius::volume::space::grouping::{Tolerance, grouping};
+use nonius::volume::space::histogram::{Tolerance, grouping};
 use nonius::volume::space::histogram::exact;
 use nonius::volume::space::pair::square;
 use nonius::volume::space::sample::estimate;
@@ -51,7 +51,7 @@ fn volumetric(criterion: &mut Criterion) {
     let map = machine_h([21; 3]);
     let vectors = map.vectors();
     group.bench_function("cloud, 21 nodes an axis", |bencher| {
-        bencher.iter(|| cloud::longest(black_box(&vectors)))
+        bencher.iter(|| diameter::longest(black_box(&vectors)))
     });
     group.sample_size(10);
     group.bench_function("all pairs, 21 nodes an axis", |bencher| {
@@ -78,7 +78,7 @@ fn volumetric(criterion: &mut Criterion) {
     });
     let vectors = large.vectors();
     group.bench_function("cloud, 101 nodes an axis", |bencher| {
-        bencher.iter(|| cloud::longest(black_box(&vectors)))
+        bencher.iter(|| diameter::longest(black_box(&vectors)))
     });
     group.finish();
 }

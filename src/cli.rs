@@ -26,7 +26,6 @@ mod separate;
 mod show;
 mod simulate;
 mod standards;
-mod tables;
 #[cfg(feature = "disk")]
 mod terminal;
 mod verify;

@@ -11,7 +11,6 @@ mod inputs;
 mod loaded;
 mod made;
 pub mod manifest;
-mod movement;
 pub mod program_kit;
 mod rollback;
 pub mod second_look;
@@ -19,7 +18,6 @@ pub mod simulate;
 mod verification;
 pub mod visit;
 pub mod visit_plan;
-mod ways;
 
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
@@ -88,7 +86,7 @@ pub(crate) fn template_context(inputs: &Inputs) -> Result<emit::Context, Problem
 /// Makes a kit. Refused unless every file reads back to exactly what was meant.
 pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let mut made = Made::of(inputs)?;
-    let ways = ways::ways(&made);
+    let ways = alternatives::ways(&made);
     let field = field::make(&made)?;
     made.files.extend(field.files);
     made.compiled.notes.extend(field.notes);

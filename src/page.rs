@@ -9,7 +9,6 @@
 
 mod curves;
 mod locale;
-mod path;
 pub mod picture;
 mod report;
 mod scale;
@@ -19,9 +18,8 @@ mod volume;
 
 pub use curves::{Curves, separated, terms};
 pub use locale::{Locale, Shown, Texts};
-pub use path::{HoleErrors, Trace, path};
 pub use picture::{Ink, Picture};
 pub use report::{Placed, Report, Visit, linear_document};
 pub use scale::bin_um;
 pub use targets::targets;
-pub use volume::{Side, volume};
+pub use volume::{HoleErrors, Side, Trace, path, volume};

@@ -4,5 +4,3 @@ pub(crate) mod campaign;
 pub mod files;
 pub(crate) mod inputs;
 pub(crate) mod job_files;
-pub mod memory;
-pub(crate) mod tables;

@@ -334,7 +334,7 @@ fn one_more_option(
     files: &[String],
     known: &Dictionary,
 ) -> Vec<String> {
-    let help = nonius::cli::answer(&nonius::visit::memory::Memory::default(), [&*words[0], "-h"]);
+    let help = nonius::cli::answer(&nonius::visit::files::Memory::default(), [&*words[0], "-h"]);
     let help = String::from_utf8_lossy(&help.out).into_owned();
     let options: Vec<&str> = help.lines().map(str::trim).filter(|l| l.starts_with('-')).collect();
     if options.is_empty() {

@@ -12,7 +12,7 @@ use nonius::inputs::import::{
     Component, Measurement, encoding_word, import as import_file, measured_runs,
 };
 use nonius::inputs::job::{Job, UseOf};
-use nonius::inputs::part_program::problems;
+use nonius::inputs::problems;
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{

@@ -3,8 +3,8 @@
 mod page;
 mod text;
 
+use crate::cli::outcome::AskedTables;
 use crate::cli::outcome::{Outcome, PlotOnly, Print, positive};
-use crate::cli::tables::AskedTables;
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
 use crate::kit::{Inputs, Loaded};
@@ -14,8 +14,8 @@ use crate::quantity::{Axis, Chain, PerAxis};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
+use crate::visit::inputs::Corrected;
 use crate::visit::job_files::Given;
-use crate::visit::tables::Corrected;
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;

@@ -11,8 +11,8 @@
 use crate::cli::outcome::{Answer, Outcome, is_reader_gone};
 use crate::quantity::Figure;
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems, sha256, shown};
+use crate::visit::files::Memory;
 use crate::visit::files::{Files, not_put_out, plain_words, printed};
-use crate::visit::memory::Memory;
 use clap::Args;
 use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -379,7 +379,7 @@ const REMARKS: &str = "remarks";
 #[cfg(test)]
 mod tests {
     use super::{Answered, Options, head, run};
-    use crate::visit::memory::Memory;
+    use crate::visit::files::Memory;
     use std::path::PathBuf;
 
     fn answered(question: &[u8]) -> Answered {

@@ -3,9 +3,9 @@
 mod page;
 mod samples;
 
+use crate::cli::outcome::AskedTables;
 use crate::cli::outcome::{Outcome, Output, Plot};
-use crate::cli::tables::AskedTables;
-use crate::inputs::part_program::problems;
+use crate::inputs::problems;
 use crate::page::{Ink, Trace};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Files, Long, plain_words};

@@ -11,7 +11,7 @@ use crate::kit::{Inputs, Verification};
 use crate::text::Problems;
 use crate::visit::files::Files;
 use crate::visit::inputs;
-use crate::visit::tables::read_directory;
+use crate::visit::inputs::read_directory;
 use clap::Args;
 pub(super) use page::Page;
 use second::Second;

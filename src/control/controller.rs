@@ -9,14 +9,12 @@ pub mod builtin;
 mod declared;
 mod example;
 pub(crate) mod fact;
-mod families;
 mod family;
 mod fanuc;
 mod files;
 mod form;
 mod generic;
 mod isg;
-mod job_keys;
 mod linuxcnc;
 pub mod load;
 mod pattern;
@@ -30,6 +28,7 @@ pub use self::fact::{
     Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
     TableForm, TableSign,
 };
+use self::fact::{Facts, origin_or_rule};
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, Template};
@@ -37,17 +36,15 @@ pub(crate) use self::form::Listed;
 pub use self::form::{Form, Order, Rounding, ValueForm};
 pub use self::generic::{Typed, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
-pub use self::job_keys::{JobKey, JobSection};
 pub(crate) use self::linuxcnc::MOST_JOINTS;
 pub use self::linuxcnc::{Columns, CrossTerms, LinuxcncFacts};
 pub use self::pattern::Pattern;
 pub(crate) use self::pattern::{Field, Said};
 pub use self::siemens::{MultiplyMode, SiemensFacts};
-
-use self::fact::Facts;
 use crate::control::checklist::Step;
 use crate::control::claims::Precondition;
-use crate::text::{section, words};
+use crate::text::{Section, Word, section, words};
+use serde::Serialize;
 
 section! {
     /// Facts of every control.
@@ -180,4 +177,47 @@ impl Profile {
         let stated = self.encoding.as_ref();
         stated.map_or(Encoding::Utf8, |fact| fact.value)
     }
+}
+
+// Keys of a job that a control needs: what only a person at the machine knows, and where it is read there.
+
+words! {
+    /// The section of a job that a key stands in, without the axis.
+    pub enum JobSection {
+        /// Each `[machine.axes.x]`.
+        MachineAxes = "machine.axes",
+        /// `[measurement]`.
+        Measurement = "measurement",
+        /// `[compensation]`.
+        Compensation = "compensation",
+        /// Each `[compensation.axes.x]`.
+        CompensationAxes = "compensation.axes",
+    }
+}
+
+section! {
+    /// One `[[job]]` of a profile.
+    #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+    pub struct JobKey(page: &Section<'_>, origin: Option<Fact<()>>) {
+        /// Where it stands in a job.
+        pub section: JobSection = choice(JobSection::WORDS),
+            must "the section of a job that the key stands in";
+        /// The key.
+        pub key: String = text(), must "a key of a job";
+        /// What an optional key may hold, as it is written; `None` = the job has to state it.
+        pub example: Option<String> = text();
+        /// What to write, and where it is read on the control.
+        pub text: String = text(), must "what to write, and where the control shows it";
+        /// How well that is known.
+        pub evidence: Evidence => origin.as_ref().map(|origin| origin.evidence), must;
+        /// Where it is from.
+        pub source: String => origin.as_ref().map(|origin| origin.source.clone()), must;
+        /// What happens if it is wrong.
+        pub consequence: Option<String> => origin.and_then(|origin| origin.consequence);
+    }
+}
+
+/// The keys of a page, in its order; none where it names none.
+fn job_keys(root: &Section<'_>) -> Vec<JobKey> {
+    root.subs("job", |section| JobKey::read(section, origin_or_rule(section)))
 }

@@ -19,13 +19,183 @@
 
 mod kit;
 mod machine;
-mod read_out;
 mod reading;
 
 pub use self::kit::{Fault, faults, from_kit};
 pub(crate) use self::kit::{listed, named_axis};
 pub(crate) use self::machine::uncompensated;
-pub use self::read_out::from_read_out;
-pub(crate) use self::read_out::{collisions, left_over, switched_off};
 pub use self::reading::{ActiveControl, Held, Origin, Others, ReadOutFor, without_tables};
 pub(crate) use self::reading::{Found, NamedBacklash, ReadOutReader};
+use self::reading::{backlash_of, problem, stated};
+use crate::control::claims::Precondition;
+use crate::control::controller::{Profile, Role};
+use crate::control::table::Tables;
+use crate::inputs::job::Job;
+use crate::judge::family::family;
+use crate::judge::findings::InControl;
+use crate::quantity::{Axis, PerAxis};
+use crate::read::read_out_text;
+use crate::text::{Problem, Problems, Severity};
+use crate::write::plan::axis_names;
+use std::borrow::Cow;
+
+// Files that were read out of the control: what concerns the job's axes, through the readers; and the old
+// tables beside the new ones in one control.
+
+/// Reads files of the control: tables, parameters.
+pub fn from_read_out(
+    job: &Job,
+    profile: &Profile,
+    path: &str,
+    files: Vec<(String, Vec<u8>)>,
+    purpose: ReadOutFor,
+) -> Result<ActiveControl, Problems> {
+    let mut reading = ReadOutReader {
+        job,
+        texts: &[],
+        names: axis_names(job, profile)?,
+        purpose,
+        others: Others::default(),
+        assumptions: Vec::new(),
+        findings: Vec::new(),
+    };
+    let texts = texts(profile, path, &files, &mut reading)?;
+    let texts: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (*name, &**text)).collect();
+    reading.texts = &texts;
+    let found = family(&profile.dialect).read_out(&mut reading)?;
+    let own = job.compensation.control_unit;
+    if let Some(unit) = found.unit.filter(|unit| *unit != own) {
+        let (unit, own) = (unit.word(), own.word());
+        reading.tell(InControl::ControlUnit { unit, own });
+    }
+    let mut problems = Problems::none();
+    let backlash_um = acted(&mut reading, profile, &found, &mut problems);
+    refuse(&reading, &mut problems);
+    let state = stated(job, profile, &backlash_um)?;
+    let origin = Origin::ReadOut(found.held);
+    problems.or_ok(ActiveControl {
+        held_backlash: Axis::ALL.map(|axis| found.backlash[axis].clone()).concat(),
+        others: reading.others,
+        assumptions: reading.assumptions,
+        findings: reading.findings,
+        files,
+        ..ActiveControl::new(path, origin, found.tables, state, backlash_um)
+    })
+}
+
+/// Old tables that contradict the job, or beside which something acts, cannot be built on.
+fn refuse(reading: &ReadOutReader<'_>, problems: &mut Problems) {
+    let is_grave = |severity| severity > Severity::Note && !reading.judges();
+    for finding in reading.findings.iter().filter(|f| is_grave(f.severity())) {
+        let help = finding.kind().map_or("", InControl::help);
+        problems.push(problem(reading.job, finding.to_string(), help));
+    }
+}
+
+/// The backlash parameters that acted while measuring; of files that are judged nobody knows.
+fn acted(
+    reading: &mut ReadOutReader<'_>,
+    profile: &Profile,
+    found: &Found,
+    problems: &mut Problems,
+) -> PerAxis<Option<f64>> {
+    if reading.judges() {
+        return PerAxis::default();
+    }
+    let parameter = profile.family.backlash_parameter;
+    let one = PerAxis::from_fn(|axis| one_backlash(reading, &found.backlash[axis], parameter));
+    backlash_of(reading.job, &one, problems)
+}
+
+/// One backlash parameter for an axis of the machine: the axes of a gantry have to hold the same,
+/// and what only some of them hold does not tell the others'.
+fn one_backlash(
+    reading: &mut ReadOutReader<'_>,
+    held: &NamedBacklash,
+    parameter: &'static str,
+) -> Option<f64> {
+    let mut values = held.iter().filter_map(|(_, um)| *um);
+    let first = values.next()?;
+    if values.any(|um| (um - first).abs() > 0.0) {
+        let axes = held.iter().map(|(name, _)| name.clone()).collect();
+        reading.tell(InControl::GantryDiffers { axes });
+    }
+    let Some((axis, _)) = held.iter().find(|(_, um)| um.is_none()) else {
+        return Some(first);
+    };
+    let axis = axis.clone();
+    reading.tell(InControl::GantryUnknown { parameter, axis });
+    None
+}
+
+/// Sign proofs, rollbacks and checklists of a kit, by their names.
+fn stands_apart(profile: &Profile, name: &str) -> bool {
+    let apart = |role: Role| role.stands_apart() || role == Role::Checklist;
+    let mut own = profile.files.iter().filter(|file| apart(file.role));
+    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    own.any(|file| file.is_called(name))
+}
+
+/// The files as text, but those of a kit that are never loaded with its tables.
+fn texts<'a>(
+    profile: &Profile,
+    path: &str,
+    files: &'a [(String, Vec<u8>)],
+    reading: &mut ReadOutReader<'_>,
+) -> Result<Vec<(&'a str, Cow<'a, str>)>, Problems> {
+    let mut problems = Problems::none();
+    let mut texts = Vec::new();
+    for (name, bytes) in files {
+        let stands_apart = stands_apart(profile, name);
+        if stands_apart && reading.judges() {
+            let file = name.clone();
+            reading.tell(InControl::NotLoaded { file });
+            continue;
+        }
+        if stands_apart {
+            let message = format!(
+                "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
+            );
+            problems.push(Problem::new(message).help("name the whole kit with its manifest.json, or files that were read out of the control"));
+        }
+        match read_out_text(profile, name, bytes) {
+            Ok(text) => texts.push((name.as_str(), text)),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    problems.or_ok(texts)
+}
+
+/// New tables at places that others own; all of them at once.
+pub(crate) fn collisions(
+    job: &Job,
+    profile: &Profile,
+    active: &ActiveControl,
+    new: &Tables,
+) -> Result<(), Problems> {
+    let taken = family(&profile.dialect).taken(&active.others, new);
+    let mut problems = Problems::none();
+    for (what, help) in taken {
+        let message = format!(
+            "{what} is in use in the read-out, for axes that the job does not have or switched off: it would be overwritten"
+        );
+        problems.push(problem(job, message, help));
+    }
+    problems.or_ok(())
+}
+
+/// What switches old tables on that the new files leave in the control.
+pub(crate) fn left_over(profile: &Profile, active: &ActiveControl, new: &Tables) -> Vec<String> {
+    family(&profile.dialect).left_over(&active.tables, new)
+}
+
+/// Each of them has to be off.
+pub(crate) fn switched_off(
+    profile: &Profile,
+    stale: &[String],
+) -> impl Iterator<Item = Precondition> {
+    const WHY: &str = "an old table that the new files do not overwrite would act in addition to them; the disable file, where the kit has one, switches it off";
+    const SOURCE: &str = "the active tables that the job names";
+    let off = profile.family.off;
+    stale.iter().map(move |what| Precondition::new(what, off, WHY, SOURCE).dangerous())
+}

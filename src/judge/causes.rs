@@ -22,12 +22,10 @@
 mod change;
 mod data;
 mod decide;
-mod fit;
 mod hypotheses;
-mod question;
 
+pub use self::change::{Corrected, Question, Slip};
 pub use self::data::Basis;
-pub use self::question::{Corrected, Question, Slip};
 
 use self::change::{Change, Terms};
 use self::data::{Data, Fit, RISK, quantile};

@@ -5,14 +5,13 @@
 //! axis.
 
 mod contents;
-mod diagnosis;
 pub(super) mod entries;
 
 pub(crate) use self::contents::surroundings;
 pub use self::contents::{absent, contents, measuring_systems};
-pub use self::diagnosis::Disagreements;
+pub use self::entries::Disagreements;
 
-use self::diagnosis::holds;
+use self::entries::holds;
 
 use crate::judge::field::Field;
 use crate::judge::findings::Difference;

@@ -2,13 +2,13 @@
 
 use crate::control::controller::{ControlUnit, LinuxcncFacts, Listed};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::before::{Before, Old};
+use crate::judge::declared;
 use crate::judge::disagreement::entries::Entries;
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
-use crate::judge::listed;
 use crate::quantity::{Direction, PerAxis, UM_PER_MM};
 use crate::read::linuxcnc::{Contents, Joint, read};
 use crate::text::Problems;
@@ -29,7 +29,7 @@ impl Family for LinuxcncFacts {
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
-        let (old, new) = (listed::own(old), listed::own(new));
+        let (old, new) = (declared::own(old), declared::own(new));
         let stays = |table: &&ListedTable| {
             table.is_own() && !new.iter().any(|own| own.is_for(&table.base, &table.output))
         };
@@ -42,7 +42,7 @@ impl Family for LinuxcncFacts {
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
-        listed::entries(self, side, 0)
+        declared::entries(self, side, 0)
     }
 
     /// A kit overwrites no file of the machine: the ini file that was kept is the rollback.
@@ -100,7 +100,7 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
 
 /// Tables of joints that the job does not have.
 fn tell_others(facts: &LinuxcncFacts, reading: &mut ReadOutReader<'_>, found: &mut ListedTables) {
-    for table in listed::take_others(reading, found) {
+    for table in declared::take_others(reading, found) {
         let what = format!("the {}", facts.table_name(&table));
         let axes = "a joint";
         reading.tell(InControl::OfOthers { what, axes });

@@ -6,7 +6,6 @@ mod declared;
 mod fanuc;
 mod isg;
 mod linuxcnc;
-mod listed;
 mod siemens;
 
 pub mod active;

@@ -25,7 +25,6 @@
 //! the shapes of all nine curves alone and makes their slopes worthless; the slopes are taken
 //! from the totals instead, see [`metric`].
 
-pub mod agreement;
 pub mod campaign;
 pub mod closure;
 pub mod corrections;

@@ -21,7 +21,7 @@ use crate::control::controller::{
     Comments, DeclaredFacts, Factor, Field, Listed, Pattern, Said, Size,
 };
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables};
 use crate::quantity::Axis;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};

@@ -17,7 +17,7 @@ mod typed;
 pub use self::check::Row;
 
 use self::rows::COLUMNS;
-use crate::control::table::listed::{ListedTable, ListedTables, Point};
+use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::quantity::Direction;
 use crate::text::{Problem, Problems};
 

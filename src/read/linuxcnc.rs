@@ -11,20 +11,22 @@
 mod comp;
 mod hal;
 mod ini;
-pub(super) mod program;
-
-pub(crate) use self::ini::Joint;
 
 use self::ini::Ini;
+pub(crate) use self::ini::Joint;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Columns, ControlUnit, CrossTerms, LinuxcncFacts};
-use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables, Point};
+use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
+use crate::read::lexer::{Complaint, lines};
 use crate::read::listed;
+use crate::read::program::blocks::Cancelled::*;
+use crate::read::program::blocks::Meaning::*;
+use crate::read::program::blocks::{Code, Meaning, Vocabulary, refuse, without_comments};
 use crate::text::{Finding, Problem, Problems, shown};
+use part_program::Language;
 use std::collections::BTreeMap;
 
 impl Family for LinuxcncFacts {
@@ -217,6 +219,64 @@ fn not_there(joint: u32, path: &str) -> Problem {
         "COMP_FILE of [JOINT_{joint}] names `{path}`, which is not there: LinuxCNC does not start without it"
     ))
     .help("name the file together with the ini file; behind the name of a COMP_FILE no comment may stand")
+}
+
+// LinuxCNC part programs of measuring runs: `(…)` is a comment, `(MSG,…)` a text for the screen.
+
+/// Its language (LinuxCNC documentation, G-Code; RS274NGC).
+pub(in crate::read) const VOCABULARY: Vocabulary =
+    Vocabulary { language: Language::Iso, words: &WORDS, blocks };
+
+/// G17 and G61.1 (exact stop) do not change where the axes go.
+const WORDS: [(&str, Meaning); 17] = [
+    ("G0", Rapid),
+    ("G1", Feed),
+    ("G4", Dwell),
+    ("G17", Neutral),
+    ("G61.1", Neutral),
+    ("G64", Neutral),
+    ("G94", FeedPerMinute),
+    ("G20", Unit(ControlUnit::Inch)),
+    ("G21", Unit(ControlUnit::Millimetre)),
+    ("G40", Cancel(ToolRadius)),
+    ("G49", Cancel(ToolLength)),
+    ("G80", Cancel(Cycle)),
+    ("G53", Machine),
+    ("G90", Absolute),
+    ("G91", Incremental),
+    ("M0", Stop),
+    ("M2", End),
+];
+
+/// A comment that begins with one of these words does something.
+const ACTIVE: [&str; 6] = ["LOG", "PROBE", "DEBUG", "PRINT", "PY", "ABORT"];
+
+fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
+    let mut blocks = Vec::new();
+    for line in lines(text) {
+        let written = &text[line.clone()];
+        let Some(code) = without_comments(written) else {
+            return Err(refuse(line, "the brackets of a comment do not match"));
+        };
+        if comments(written).any(is_active) {
+            return Err(refuse(line, "a comment that LinuxCNC executes"));
+        }
+        let code = code.trim();
+        if !code.is_empty() {
+            blocks.push((line.start, code.to_string()));
+        }
+    }
+    Ok(blocks)
+}
+
+/// What stands behind each opening bracket.
+fn comments(line: &str) -> impl Iterator<Item = &str> {
+    line.split('(').skip(1)
+}
+
+fn is_active(comment: &str) -> bool {
+    let word = comment.trim_start().to_ascii_uppercase();
+    ACTIVE.iter().any(|active| word.starts_with(active))
 }
 
 #[cfg(test)]

@@ -18,7 +18,6 @@ pub mod isg;
 mod lexer;
 pub mod linuxcnc;
 mod listed;
-mod pairs;
 pub mod program;
 pub mod siemens;
 

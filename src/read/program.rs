@@ -35,9 +35,9 @@ pub fn read(
     refuse_many_lines(file, text)?;
     refuse_long_lines(file, text)?;
     let vocabulary = match language {
-        Language::Siemens => &siemens::program::VOCABULARY,
+        Language::Siemens => &siemens::VOCABULARY,
         Language::Fanuc => &fanuc::program::VOCABULARY,
-        Language::Linuxcnc => &linuxcnc::program::VOCABULARY,
+        Language::Linuxcnc => &linuxcnc::VOCABULARY,
     };
     let steps = blocks::steps(text, vocabulary, words);
     steps.map_err(|complaint| located(file, text, vec![complaint]))

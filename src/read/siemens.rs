@@ -16,26 +16,28 @@
 mod contents;
 pub mod control;
 mod memory;
-pub(super) mod program;
 mod read_out;
 mod statement;
 mod variable;
 
 pub use self::contents::{MachineDatum, MachineValue, ReadOut, SiemensContents, merge};
 pub(crate) use self::contents::{datum, is_switch};
-
 use self::control::SiemensControl;
+use self::memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
+use self::read_out::{Concern, concern, header, is_archive, is_program, sections};
+use self::statement::{Statement, check_characters, code_of, statement};
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Role, SiemensFacts};
+use crate::control::controller::{ControlUnit, Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::read::program::blocks::Cancelled::*;
+use crate::read::program::blocks::Meaning::*;
+use crate::read::program::blocks::{Code, Meaning, Vocabulary};
 use crate::text::{Problem, Problems, refuse_long_lines, shown};
-use memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
-use read_out::{Concern, concern, header, is_archive, is_program, sections};
-use statement::{Statement, check_characters, code_of, statement};
+use part_program::Language;
 use std::ops::Range;
 
 impl Family for SiemensFacts {
@@ -317,6 +319,57 @@ fn after_end(line: Range<usize>) -> Complaint {
         "a statement follows the end word",
         "the control does not read on; move the end word to the end of the file",
     )
+}
+
+// SINUMERIK part programs of measuring runs: `;` begins a comment, `MSG("…")` is a text for the screen.
+
+/// Its language (Programming Manual).
+pub(in crate::read) const VOCABULARY: Vocabulary =
+    Vocabulary { language: Language::Siemens, words: &WORDS, blocks };
+
+/// G17 and G60 (exact stop) do not change where the axes go.
+const WORDS: [(&str, Meaning); 21] = [
+    ("G0", Rapid),
+    ("G1", Feed),
+    ("G4", Dwell),
+    ("G17", Neutral),
+    ("G60", Neutral),
+    ("G94", FeedPerMinute),
+    ("G40", Cancel(ToolRadius)),
+    ("D0", Cancel(ToolLength)),
+    ("G500", Cancel(Offset)),
+    ("TRANS", Cancel(Shift)),
+    ("ROT", Cancel(Rotation)),
+    ("SCALE", Cancel(Scaling)),
+    ("MIRROR", Cancel(Mirroring)),
+    ("TRAFOOF", Cancel(Transformation)),
+    ("G90", Absolute),
+    ("G91", Incremental),
+    ("G700", Unit(ControlUnit::Inch)),
+    ("G710", Unit(ControlUnit::Millimetre)),
+    ("SUPA", Machine),
+    ("M0", Stop),
+    ("M30", End),
+];
+
+fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
+    let code = |line: std::ops::Range<usize>| {
+        let whole = text[line.clone()].trim_end();
+        let code = whole.split(';').next().unwrap_or("");
+        (!is_message(whole)).then(|| (line.start, code.to_string()))
+    };
+    Ok(lines(text).filter_map(code).collect())
+}
+
+/// `MSG("text")` shows a text, `MSG()` takes it away; nothing moves.
+fn is_message(line: &str) -> bool {
+    let inside = line.strip_prefix("MSG(");
+    let Some(inside) = inside.and_then(|rest| rest.strip_suffix(')')) else {
+        return false;
+    };
+    let text = inside.strip_prefix('"');
+    let text = text.and_then(|rest| rest.strip_suffix('"'));
+    inside.is_empty() || text.is_some_and(|text| !text.contains('"'))
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 mod delimited;
 mod document;
 mod finding;
-mod html;
 pub(crate) mod plain;
 mod problem;
 mod refused;
@@ -24,7 +23,7 @@ pub(crate) use self::document::{
 };
 pub use self::finding::{Finding, Kind, Severity, of_severity};
 pub(crate) use self::finding::{findings, joined, listed, once};
-pub(crate) use self::html::{BLANK, BOX, escaped, marked};
+pub(crate) use self::plain::{BLANK, BOX, escaped, marked};
 pub use self::plain::{is_unseen, line, page};
 pub use self::problem::{LONGEST_LINE_BYTES, LineIndex, Place, Problem, Problems, nearest, shown};
 pub(crate) use self::problem::{Notes, bounded, did_you_mean, refusals, refuse_long_lines};

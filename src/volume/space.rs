@@ -22,18 +22,12 @@ pub mod grid_map;
 
 pub mod pair;
 
-mod ranges;
-
 mod sight;
 
 pub mod diameter;
 
 pub mod boxes;
 
-pub mod cloud;
-
 pub mod histogram;
 
 pub mod sample;
-
-pub mod grouping;

@@ -3,9 +3,37 @@
 
 use crate::quantity::{Figure, power_of_ten};
 use crate::text::is_unseen;
-use crate::write::seen::{Seen, seen};
 use deunicode::deunicode_with_tofu;
 use std::borrow::Cow;
+use tera::Map;
+use tera::value::Key;
+
+// What templates see: texts, lists and names, as the template engine holds them. Made once, so that no other tree of
+// the same texts stands between.
+
+/// A finished text, a list, or names with what they stand for.
+pub(crate) type Seen = tera::Value;
+
+/// Names in this order.
+pub(crate) fn named<const N: usize>(names: [(&'static str, Seen); N]) -> Seen {
+    names.into_iter().map(|(name, own)| (Key::Str(name), own)).collect::<Map>().into()
+}
+
+/// Names, and one more.
+pub(crate) fn with(names: Seen, name: &'static str, own: Seen) -> Seen {
+    let mut names = names.into_map().unwrap_or_default();
+    names.insert(Key::Str(name), own);
+    names.into()
+}
+
+/// `seen! { "name": text, … }`: names in this order, each with a text, a list of texts, or what is seen of something.
+macro_rules! seen {
+    ($($name:literal: $own:expr),* $(,)?) => {
+        $crate::write::control_text::named([$(($name, $own.into())),*])
+    };
+}
+
+pub(crate) use seen;
 
 /// A machine or setting datum with its value, as found.
 #[derive(Clone, Debug, PartialEq)]

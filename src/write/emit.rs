@@ -4,7 +4,6 @@
 //! turned into text here, once, so a template decides about layout and nothing else. What a
 //! template sees is printed by `nonius context JOB` and explained in docs/templates.md.
 
-mod layout;
 pub mod program;
 mod templates;
 
@@ -21,9 +20,9 @@ use crate::text::plain;
 use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
+use crate::write::control_text::{Seen, seen};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
-use crate::write::seen::{Seen, seen};
 use crate::write::task::Task;
 use serde::Serialize;
 use serde_json::Value;

@@ -9,8 +9,8 @@ use crate::quantity::{Deviation, ErrorTerm};
 use crate::text::Problems;
 use crate::write::compiled::{Bump, Compiled};
 use crate::write::control_text::Instead;
+use crate::write::control_text::Seen;
 use crate::write::grid::LengthDigit;
-use crate::write::seen::Seen;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 

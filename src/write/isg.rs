@@ -21,10 +21,10 @@ use crate::write::compiled::{
     Compiled, Placement, backlash_parameter, backlash_text, control_state,
 };
 use crate::write::control_text::fixed;
+use crate::write::control_text::{Seen, seen};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
-use crate::write::seen::{Seen, seen};
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 
 impl Family for IsgFacts {

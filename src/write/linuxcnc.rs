@@ -16,16 +16,16 @@ use crate::control::controller::{
     Columns, ControlUnit, CrossTerms, LinuxcncFacts, Listed, MOST_JOINTS, Mechanism,
 };
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables, Point};
+use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::inputs::job::Compensation;
 use crate::quantity::{Direction, ErrorTerm};
 use crate::text::Problems;
 use crate::write::compiled::Compiled;
+use crate::write::control_text::{Seen, seen};
 use crate::write::control_text::{fixed, trimmed};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
-use crate::write::seen::{Seen, seen};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 

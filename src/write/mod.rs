@@ -6,7 +6,6 @@
 mod compiled;
 mod control_text;
 mod family;
-mod seen;
 mod slips;
 mod task;
 

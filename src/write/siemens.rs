@@ -22,10 +22,10 @@ use crate::inputs::job::Compensation;
 use crate::quantity::{Deviation, ErrorTerm, UM_PER_MM, power_of_ten};
 use crate::text::Problems;
 use crate::write::compiled::{Compiled, Placement, control_state};
+use crate::write::control_text::Seen;
 use crate::write::control_text::trimmed;
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::{Grid, LengthDigit, as_number};
-use crate::write::seen::Seen;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 

@@ -6,7 +6,7 @@ use crate::support::{
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::{Axis, ErrorTerm, PerAxis, PerTerm};
 use nonius::volume::definitions::ByComponent;
-use nonius::volume::space::cloud::longest;
+use nonius::volume::space::diameter::longest;
 use nonius::volume::volume_model::VolumeModel;
 use serde_json::Value;
 

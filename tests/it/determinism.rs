@@ -2,7 +2,7 @@
 //! on language, time zone, cores, working directory or environment.
 
 use crate::support::{self, Entry, Tree, Visit, difference, skipped};
-use nonius::visit::memory::Memory;
+use nonius::visit::files::Memory;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;

@@ -6,11 +6,11 @@ use crate::support::{fixture, short_or};
 use nalgebra::Vector3;
 use nonius::quantity::Axis;
 use nonius::volume::space::boxes::Boxes;
-use nonius::volume::space::cloud;
+use nonius::volume::space::diameter;
 use nonius::volume::space::diameter::{Diameter, WindowMap, diameter};
 use nonius::volume::space::grid_map::{AxisNode, GridMap, Node, Vector};
-use nonius::volume::space::grouping::{Tolerance, grouping};
 use nonius::volume::space::histogram::exact;
+use nonius::volume::space::histogram::{Tolerance, grouping};
 use nonius::volume::space::pair::square;
 use nonius::volume::space::sample::estimate;
 use std::f64::consts::TAU;
@@ -73,7 +73,7 @@ fn agrees(map: &GridMap, what: &str) -> Diameter {
     let found = diameter(map);
     assert_eq!(found.um, square.sqrt(), "{what}: length");
     assert_eq!(found.nodes.map(|node| map.number(node)), pair, "{what}: pair");
-    let cloud = cloud::longest(&vectors).unwrap();
+    let cloud = diameter::longest(&vectors).unwrap();
     assert_eq!((cloud.square_um2, cloud.pair), (square, pair), "{what}: cloud");
     found
 }
@@ -168,7 +168,7 @@ fn grouping_of_machine_h() {
     }
     // A constant error fools the grouping and nothing else.
     let shifted: Vec<Vector> = vectors.iter().map(|[x, y, z]| [x + 300.0, *y, *z]).collect();
-    let exact = cloud::longest(&shifted).unwrap();
+    let exact = diameter::longest(&shifted).unwrap();
     close(exact.um(), 1149.980851990, 1e-9);
     let grouped = grouping(&shifted, Tolerance { angular: 0.2, magnitude: 0.9 }).longest.unwrap();
     assert!(grouped.um() <= exact.um());
@@ -220,7 +220,7 @@ fn larger_random_machines_against_the_cloud() {
     for (number, family) in machines(short_or(35, 105)) {
         let (chain, axes) = random_map::axes_of(number, family, 20..75);
         let map = GridMap::new(chain, &axes).unwrap();
-        let cloud = cloud::longest(&map.vectors()).unwrap();
+        let cloud = diameter::longest(&map.vectors()).unwrap();
         let found = diameter(&map);
         assert_eq!(found.um, cloud.um(), "{number}, {family:?}");
         assert_eq!(found.nodes.map(|node| map.number(node)), cloud.pair, "{number}, {family:?}");
@@ -336,8 +336,8 @@ fn unsound_maps_are_refused() {
         break_it(&mut axis);
         assert!(GridMap::new(Axis::ALL, &[sound(), axis, sound()]).is_none());
     }
-    assert!(cloud::longest(&[]).is_none());
-    assert!(cloud::longest(&[[0.0; 3], [f64::INFINITY, 0.0, 0.0]]).is_none());
+    assert!(diameter::longest(&[]).is_none());
+    assert!(diameter::longest(&[[0.0; 3], [f64::INFINITY, 0.0, 0.0]]).is_none());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 use crate::support::{self, um_at};
 use nonius::control::controller::{Role, builtin};
 use nonius::control::table::Tables;
-use nonius::control::table::listed::{ListedTable, Point};
+use nonius::control::table::{ListedTable, Point};
 use nonius::kit;
 use nonius::quantity::Direction;
 use nonius::read::{KitFile, read};

@@ -9,7 +9,7 @@ use crate::support::{is_held, may_be, short_or};
 use nonius::inputs::job::{
     AxisMaterial, DiagonalMeasurement, Frame, Material, SetUp, StatedUncertainty,
 };
-use nonius::machine::separation::agreement::Agreement;
+use nonius::machine::separation::closure::Agreement;
 use nonius::machine::separation::curves::{ReferenceLine, range};
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};

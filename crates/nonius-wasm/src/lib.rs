@@ -8,7 +8,7 @@
 
 use nonius::cli::Answer;
 use nonius::text::Key;
-use nonius::visit::memory::Memory;
+use nonius::visit::files::Memory;
 use serde_json::{Value, json};
 
 /// Room for a question of so many bytes.

@@ -12,7 +12,7 @@
 use crate::Language;
 use crate::expression::{is_of_control, natural};
 use crate::lexer::{Lexer, words};
-use crate::lines::{Mark, Text, without_mark};
+use crate::run::{Mark, Text, without_mark};
 use crate::wrong::{Refused, Wrong, refuse};
 use std::collections::BTreeMap;
 

@@ -19,7 +19,6 @@ mod expression;
 mod flow;
 mod interpreter;
 mod lexer;
-mod lines;
 mod moves;
 mod notes;
 mod run;
@@ -36,8 +35,7 @@ pub use self::wrong::{Excerpt, Refused, Wrong};
 /// Millimetres of an inch.
 pub(crate) const MM_PER_INCH: f64 = 25.4;
 
-pub use self::lines::{Line, Mark, Text};
-pub use self::run::{Ran, run};
+pub use self::run::{Line, Mark, Ran, Text, run};
 
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@ use crate::cli::diagonals::{StandardFigures, diagonal_json};
 use crate::cli::outcome::{joined, known};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::Separation;
-use crate::machine::separation::agreement::{Agreement, LineCheck};
+use crate::machine::separation::closure::{Agreement, LineCheck};
 use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;

@@ -5,7 +5,7 @@ use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show::figure;
 use crate::machine::separation::Separation;
-use crate::machine::separation::agreement::Agreement;
+use crate::machine::separation::closure::Agreement;
 use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
 use crate::machine::separation::monte_carlo::Simulated;

@@ -1,7 +1,7 @@
 //! What the numbers of tables say whose points stand one by one, whichever control holds them.
 
 use super::fact::{ControlUnit, Outside, TableSign};
-use crate::control::table::listed::ListedTable;
+use crate::control::table::ListedTable;
 use crate::text::{LengthUnit, words};
 
 words! {

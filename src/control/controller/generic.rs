@@ -3,8 +3,8 @@
 
 use super::fact::{Fact, Facts, Outside};
 use super::family::Family;
+use crate::control::table::ListedTables;
 use crate::control::table::Tables;
-use crate::control::table::listed::ListedTables;
 use crate::text::{LengthUnit, Word, section, words};
 
 pub(super) static FAMILY: Family = Family {

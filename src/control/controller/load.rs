@@ -6,16 +6,17 @@
 use crate::control::checklist::steps;
 use crate::control::claims::Precondition;
 use crate::control::controller::example::Example;
-use crate::control::controller::fact::{Facts, origin};
-use crate::control::controller::families::{FAMILIES, Known, proved};
+use crate::control::controller::fact::{Facts, Mechanism, origin};
+pub use crate::control::controller::files::TemplateFinder;
 use crate::control::controller::files::{Templates, files};
-use crate::control::controller::job_keys::job_keys;
 use crate::control::controller::program::program_facts;
-use crate::control::controller::{CommonFacts, Dialect, Fact, Profile, ProfileSource};
+use crate::control::controller::{
+    CommonFacts, DeclaredFacts, Dialect, Fact, Family, FanucFacts, IsgFacts, LinuxcncFacts,
+    Profile, ProfileSource, SiemensFacts, declared, fanuc, generic, isg, job_keys, linuxcnc,
+    siemens,
+};
 use crate::text::{Problems, Section, Source, read_page_over, refuse_large_page, shown};
 use toml::de::{DeArray, DeTable, DeValue};
-
-pub use crate::control::controller::files::TemplateFinder;
 
 /// Finds a built-in page by its id.
 pub type PageFinder<'a> = &'a dyn Fn(&str) -> Option<&'static str>;
@@ -228,4 +229,26 @@ fn check_axis_names(facts: &Section<'_>, names: &[String]) {
             "write it as the control shows it, e.g. `AX1`",
         );
     }
+}
+
+// The families of controls that there are.
+
+/// A family, and how the facts of its controls are read.
+pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
+
+/// All of them, in the order in which they are named.
+pub(super) const FAMILIES: [Known; 6] = [
+    (&siemens::FAMILY, |facts| SiemensFacts::read(facts).map(Dialect::Siemens)),
+    (&fanuc::FAMILY, |facts| FanucFacts::read(facts).map(Dialect::Fanuc)),
+    (&generic::FAMILY, |facts| DeclaredFacts::typed(facts).map(Dialect::Declared)),
+    (&declared::FAMILY, |facts| DeclaredFacts::checked(facts).map(Dialect::Declared)),
+    (&linuxcnc::FAMILY, |facts| LinuxcncFacts::read(facts).map(Dialect::Linuxcnc)),
+    (&isg::FAMILY, |facts| IsgFacts::read(facts).map(Dialect::Isg)),
+];
+
+/// What sign proofs can prove, with the words of profiles.
+pub(super) fn proved() -> Vec<(&'static str, Mechanism)> {
+    let proofs = FAMILIES.iter().flat_map(|(family, _)| family.proofs);
+    let mechanisms = proofs.map(|proof| proof.mechanism);
+    mechanisms.map(|own| (own.word(), own)).collect()
 }

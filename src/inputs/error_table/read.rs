@@ -1,7 +1,7 @@
 //! Reading an error table: its header says what each column holds, its rows become the series of each axis and
 //! direction.
 
-use crate::inputs::error_table::component::{Component, Kind};
+use crate::inputs::kind::{Component, Kind};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Row, Table, Unit, named};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis, URAD_PER_ARCSEC};

@@ -5,7 +5,7 @@
 //! from the far corner, meets the nodes of `PPP` only if it takes the axes in the opposite order.
 
 use crate::inputs::readings::Walked;
-use crate::inputs::readings::rows::{Row, Walk};
+use crate::inputs::readings::{Row, Walk};
 use crate::inputs::refusals;
 use crate::inputs::table::Content;
 use crate::quantity::{Axis, Diagonal, Pass, PathKind};

@@ -7,7 +7,7 @@
 //! its increments mean anything, and [`crate::inputs::readings::Readings::offset_known`] says so.
 
 use crate::inputs::readings::Walked;
-use crate::inputs::readings::rows::{Row, Walk};
+use crate::inputs::readings::{Row, Walk};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content};
 use crate::inputs::target_runs::Values;

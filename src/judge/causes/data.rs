@@ -1,8 +1,8 @@
 //! The values of the second measurement, their weights, and the misfit of a change.
 
 use super::change::Change;
-use super::question::Question;
 use crate::judge::after::{Observation, Part};
+use crate::judge::causes::change::Question;
 use crate::quantity::{ErrorTerm, Squared, larger, smaller};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};

@@ -1,8 +1,8 @@
 //! What is tried: each change with its kind, how usual it is, and how it is said on the shop floor.
 
 use super::change::{Change, Fitted, Terms, number};
-use super::question::{Corrected, Question, Slip};
 use crate::judge::after::before_um;
+use crate::judge::causes::change::{Corrected, Question, Slip};
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, PerTerm};
 
 /// A kind of cause: its place among causes that the data cannot tell apart (what happens often stands first); its

@@ -1,10 +1,12 @@
 //! Tables that are switched on, or of which nothing is said, and that no file of a read-out holds.
 
-use super::data::{CEC_ON, CEC_POINTS, Datum, LEC_ON, TABLE_ON, of_place, variable};
 use super::read_out::Sorted;
 use crate::control::claims::Assumption;
 use crate::control::table::siemens::Place;
 use crate::judge::findings::{InControl, listed};
+use crate::judge::siemens::machine_data::{
+    CEC_ON, CEC_POINTS, Datum, LEC_ON, TABLE_ON, of_place, variable,
+};
 use crate::read::siemens::MachineDatum;
 
 impl Sorted<'_, '_> {

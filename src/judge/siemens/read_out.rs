@@ -1,8 +1,5 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
-use super::data::{
-    BACKLASH, Datum, LEC_ON, REFERENCE, REFERENCE_MODE, UNIT, WEIGHT, number, numbered, switches,
-};
 use super::surroundings::cec_limits;
 use crate::control::claims::Assumption;
 use crate::control::controller::ControlUnit;
@@ -10,6 +7,9 @@ use crate::control::table::Tables;
 use crate::control::table::siemens::{OpenEnd, Place, SiemensTable, SiemensTables};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
+use crate::judge::siemens::machine_data::{
+    BACKLASH, Datum, LEC_ON, REFERENCE, REFERENCE_MODE, UNIT, WEIGHT, number, numbered, switches,
+};
 use crate::quantity::{Axis, PerAxis, UM_PER_MM};
 use crate::read::siemens::{
     MachineDatum, ReadOut, SiemensContents, has_active_data, is_switch, merge, read_out,

@@ -1,10 +1,10 @@
 //! What a read-out holds around the tables: limit and unit of CEC.
 
-use super::data::{CEC_LIMIT, CEC_UNIT, UNIT, UNIT_CHANGES, number};
 use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::SiemensTables;
 use crate::judge::active::Held;
 use crate::judge::findings::InControl;
+use crate::judge::siemens::machine_data::{CEC_LIMIT, CEC_UNIT, UNIT, UNIT_CHANGES, number};
 
 /// The last digit of a value in a table; sums are not exact in binary.
 const LAST_DIGIT: f64 = 1e-6;

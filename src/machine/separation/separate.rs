@@ -6,7 +6,6 @@
 //! Readings without any error go through the separation itself, so what it says of uncertainty, degrees of freedom and
 //! what stays open is what it will say of the readings.
 
-use super::agreement::Agreement;
 use super::campaign::{Campaign, LinearReversal, LinearReversals, Start};
 use super::closure::{Closure, closure, large_noise};
 use super::curves::Curve;
@@ -22,6 +21,7 @@ use super::solved::{NineErrors, SeparatedError, Solved, Tilt};
 use super::uncertainty::{Budget, of_length_ppm, rolls};
 use crate::inputs::error_table::Silence;
 use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
+use crate::machine::separation::closure::Agreement;
 use crate::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,
     Run, Volume,

@@ -5,13 +5,13 @@
 //!   figure      = a scale or a squareness: of (7), or of the totals where the set-up is assumed (4)
 //! ```
 
-use super::agreement::Agreement;
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
 use super::metric::{Equations, Metric, UM_PER_M};
 use super::uncertainty::{Budget, Uncertainty};
 use crate::inputs::job::{Frame, SetUp};
+use crate::machine::separation::closure::Agreement;
 use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, PerPlane, PerTerm, Plane,
     URAD_PER_ARCSEC, Volume,

@@ -16,7 +16,6 @@
 //! Every run counts from its own start, so a reversal is not part of the test. Correlation
 //! between the points of a table is not known to a table and not included.
 
-use super::agreement::Agreement;
 use super::campaign::{Campaign, Start};
 use super::closure::large_noise;
 use super::curves::at;
@@ -28,6 +27,7 @@ use super::noise::{Noise, Outlier, float};
 use super::readings::{self, Walk};
 use super::uncertainty::Budget;
 use crate::inputs::error_table::{ErrorTable, Silence};
+use crate::machine::separation::closure::Agreement;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
 use crate::text::{Finding, Problem, Problems};
 use serde::Serialize;

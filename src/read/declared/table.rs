@@ -1,7 +1,7 @@
 //! A table while its lines are read, and what it has to hold in the end.
 
 use crate::control::controller::{DeclaredFacts, Field, Order};
-use crate::control::table::listed::{ListedTable, Point, name};
+use crate::control::table::{ListedTable, Point, name};
 use crate::quantity::rounded;
 use crate::read::lexer::Complaint;
 use crate::text::shown;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::control::controller::{Dialect, ProfileSource, builtin, load};
-use crate::control::table::listed::Point;
+use crate::control::table::Point;
 use crate::text::Source;
 
 fn facts_of(profile: &str) -> DeclaredFacts {

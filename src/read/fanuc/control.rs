@@ -19,7 +19,7 @@ use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::Direction;
 use crate::read::emulate::{Emulated, Response};
-use crate::read::pairs::{Pair, PairControl};
+use crate::read::listed::{Pair, PairControl};
 use parameters::{Loading, Run, cannot};
 use std::collections::{BTreeMap, BTreeSet};
 

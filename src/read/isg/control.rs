@@ -17,7 +17,7 @@ use crate::quantity::{
     Axis, Correction, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm, Rotation, unit,
 };
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
-use crate::read::pairs::known_axis;
+use crate::read::listed::known_axis;
 
 /// A control with a compensation in memory.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@
 //! refused at that place: nobody meant it.
 
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::listed::Point;
+use crate::control::table::Point;
 use crate::read::lexer::{Complaint, Cursor, lines, located};
 use crate::text::Problems;
 use std::ops::Range;

@@ -7,7 +7,7 @@
 //! A line that differs is refused, because it could add something: LinuxCNC itself has executed this form alone.
 
 use crate::control::controller::{LinuxcncFacts, MOST_JOINTS};
-use crate::control::table::listed::{ListedTable, Point};
+use crate::control::table::{ListedTable, Point};
 use crate::quantity::rounded;
 use crate::read::lexer::{Complaint, Words, lines, located, words};
 use crate::text::{Problems, shown};

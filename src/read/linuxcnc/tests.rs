@@ -1,7 +1,7 @@
 //! What LinuxCNC does with these texts, as it was seen doing it (docs/linuxcnc.md §2).
 use super::{Contents, read};
 use crate::control::controller::{ControlUnit, Dialect, LinuxcncFacts, builtin};
-use crate::control::table::listed::Point;
+use crate::control::table::Point;
 
 mod control;
 

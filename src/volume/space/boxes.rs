@@ -8,7 +8,7 @@
 use super::diameter::Diameter;
 use super::grid_map::{ARM, GridMap, Node, Row, Vector};
 use super::pair::{dot, minus, room};
-use super::ranges::{Interval, last_row, tree};
+use crate::volume::space::sight::{Interval, last_row, tree};
 use std::collections::BinaryHeap;
 use std::ops::Range;
 

@@ -279,7 +279,7 @@ fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::space::cloud::longest;
+    use crate::volume::space::diameter::longest;
     use proptest::prelude::*;
 
     fn diameter(vectors: &[Vector]) -> f64 {

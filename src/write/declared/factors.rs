@@ -7,7 +7,7 @@
 
 use crate::control::controller::{DeclaredFacts, Factor};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables};
 use crate::quantity::{
     Axis, Deviation, ErrorTerm, Millimetres, Nodes, UM_PER_MM, power_of_ten, residual, rounded,
 };

@@ -3,12 +3,12 @@
 //! page (contract §4.2).
 
 use crate::control::controller::{Typed, TypedValue};
-use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables};
 use crate::quantity::{Direction, ErrorTerm, Figure, rounded};
 use crate::text::LengthUnit;
+use crate::write::control_text::{Seen, seen};
 use crate::write::family::Emitted;
 use crate::write::listed::DUST_DECIMALS;
-use crate::write::seen::{Seen, seen};
 
 /// Places of the reference and distances are written to the nanometre, as positions are.
 const POSITION_DECIMALS: u32 = 6;

@@ -4,9 +4,9 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::SiemensFacts;
 use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTables};
 use crate::write::compiled::Placement;
+use crate::write::control_text::{Seen, seen};
 use crate::write::control_text::{Switch, fixed};
 use crate::write::family::Emitted;
-use crate::write::seen::{Seen, seen};
 use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
 use std::cell::RefCell;
@@ -122,7 +122,7 @@ impl Digits<'_> {
         if known.0.as_ref() != Some(grid) || known.1.len() != values.len() {
             let position = |index| fixed(grid.position(index), self.facts.position_decimals.value);
             let place = |index: usize| [index.to_string().into(), position(index).into()];
-            *known = (Some(grid.clone()), (0..values.len()).map(place).collect());
+            *known = (Some(*grid), (0..values.len()).map(place).collect());
         }
         let of_point = |([index, position], value): (&[Seen; 2], &Option<f64>)| {
             Some(seen! {

@@ -1,11 +1,11 @@
 //! The figures that a running LinuxCNC 2.9.0~pre1 showed (pins of a joint, six decimals of a millimetre).
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Dialect, builtin};
-use crate::control::table::listed::ListedTables;
+use crate::control::table::ListedTables;
 use crate::quantity::{Direction, Millimetres};
 use crate::read::emulate::Emulator;
 use crate::read::linuxcnc::read;
-use crate::read::pairs::PairControl;
+use crate::read::listed::PairControl;
 
 fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> PairControl {
     let Dialect::Linuxcnc(facts) = builtin::profile("linuxcnc").unwrap().dialect else {
