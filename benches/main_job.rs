@@ -5,10 +5,10 @@ use nonius::control::controller::builtin;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::kit::{Inputs, emulator, forecast, generate};
-use nonius::visit::files::Memory;
-use std::hint::black_box;
 use nonius::quantity::{Direction, Millimetres};
 use nonius::text::Source;
+use nonius::visit::files::Memory;
+use std::hint::black_box;
 
 const JOB: &str = include_str!("../fixtures/nine_errors_900/siemens-840d-sl.toml");
 const ERRORS: &str = include_str!("../fixtures/nine_errors_900/errors.csv");

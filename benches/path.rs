@@ -1,12 +1,12 @@
 //! Benchmarks of `nonius path`: the error at points of a path, and a program from end to end.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use nonius::quantity::{Axis, PerAxis};
 use nonius::volume::tool_path::{PathMap, Profile, ProfileLimits};
 use nonius::volume::volume_model::AxisState;
 use part_program::{Line, Mark, Move, Plane, Refused, Setup, Shape, Text, run};
 use std::fmt::Write;
 use std::hint::black_box;
-use nonius::quantity::{Axis, PerAxis};
 
 const LINES: u32 = 200_000;
 

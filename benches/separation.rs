@@ -6,13 +6,13 @@ use nonius::inputs::readings::Readings;
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::{Campaign, MeasuredLine, separate};
+use nonius::quantity::{Deviation, PerAxis, Run};
+use nonius::text::Source;
 use nonius::visit::files::Memory;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Duration;
-use nonius::quantity::{Deviation, PerAxis, Run};
-use nonius::text::Source;
 
 const JOB: &[u8] = include_bytes!("../fixtures/diagonals/case_b_setup/job.toml");
 const READINGS: &[u8] = include_bytes!("../fixtures/diagonals/case_b_setup/readings.csv");

@@ -18,9 +18,9 @@ use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
     KitFile, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
+use nonius::text::{LengthUnit, Problem, Problems, Source};
 use part_program::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
 use std::sync::OnceLock;
-use nonius::text::{LengthUnit, Problem, Problems, Source};
 
 /// What a reader answered, in words.
 pub type Answer = Result<String, Problems>;

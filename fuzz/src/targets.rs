@@ -204,8 +204,7 @@ impl Fixtures {
         let made = jobs.iter().filter_map(|bundle| {
             let bundle = Bundle::read(bundle);
             let job =
-                nonius::text::Source::from_bytes("job.toml", bundle.file("job.toml")?)
-                    .ok()?;
+                nonius::text::Source::from_bytes("job.toml", bundle.file("job.toml")?).ok()?;
             let job = nonius::inputs::job::Job::read(job).ok()?;
             let profile =
                 nonius::control::controller::builtin::profile(&job.compensation.controller).ok()?;
