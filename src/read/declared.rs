@@ -22,7 +22,6 @@ use crate::control::controller::{
 };
 use crate::control::table::Tables;
 use crate::control::table::{ListedTable, ListedTables};
-use crate::quantity::Axis;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::generic;
@@ -40,7 +39,7 @@ impl Family for DeclaredFacts {
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         let tables: &ListedTables = own(tables)?;
         Ok(Box::new(match self.factors.is_some() {
-            true => listed::control(&acting(tables, self), self, state)?,
+            true => listed::control(&acting(tables), self, state)?,
             false => listed::control(tables, self, state)?,
         }))
     }
@@ -159,29 +158,12 @@ fn file(
 }
 
 /// Factors as they act, without those that are 0: a set holds all, also of an axis that the machine does not have.
-fn acting(tables: &ListedTables, facts: &DeclaredFacts) -> ListedTables {
-    let is_chained = facts.chained.as_ref().is_some_and(|own| own.value);
-    let mut acting = if is_chained { chained(tables, facts) } else { tables.clone() };
-    acting.tables.retain(|table| !table.is_zero());
-    acting
-}
-
-/// Factors of a control on which an axis follows the corrected position of another one: each with what reaches its axis
-/// through others.
 ///
-/// ```text
-///   y' = y − z·yz     x' = x − y'·xy − z·xz = x − y·xy − z·(xz − xy·yz)
-/// ```
-fn chained(tables: &ListedTables, facts: &DeclaredFacts) -> ListedTables {
-    let sense = facts.cross_sign.value.correction(1.0).um();
-    let names = Axis::ALL.map(Axis::key);
-    let whole = |[base, output]: [&str; 2]| {
-        let through = names.map(|own| tables.factor(base, own) * tables.factor(own, output));
-        let factor = tables.factor(base, output) + sense * through.iter().sum::<f64>();
-        ListedTable::of_factor([base, output], factor)
-    };
-    let pairs = names.iter().flat_map(|output| names.map(|base| [base, output]));
-    ListedTables::of(pairs.map(whole).collect())
+/// limits  to first order. A control that lets X follow the corrected Y takes back what the lean of X makes of the
+///         correction of Y, for the machine leans with its motors: the product of two factors moves nothing that leans so
+fn acting(tables: &ListedTables) -> ListedTables {
+    let acts = |table: &&ListedTable| !table.is_zero();
+    ListedTables::of(tables.tables.iter().filter(acts).cloned().collect())
 }
 
 /// The axes that the lines are for.

@@ -183,7 +183,10 @@ impl IsgFacts {
             angles.push(Curve { parameter: Parameter::Angle(rotation), points: points.collect() });
         }
         if !angles.is_empty() {
-            task.job.chain_for_angles("machine")?;
+            let chain = task.job.chain_for_angles("machine");
+            chain.map_err(|problem| {
+                problem.help("state it, e.g. `chain = \"wXYZt\"`; or list `terms`, then no angles are written")
+            })?;
         }
         Ok(angles)
     }

@@ -144,6 +144,8 @@ fn what_stands_around_siemens_tables_is_judged() {
         $MA_CEC_MAX_SUM[AX2]=0.004 => pass
         $MA_CEC_MAX_SUM[AX1]=0.001 => pass
         $MA_CEC_MAX_SUM[AX2]=0.001 => fail: may add up to 0.0040
+        # Of two values the last is judged all the same.
+        $MA_CEC_MAX_SUM[AX2]=0.1\n$MA_CEC_MAX_SUM[AX2]=0.001 => fail: may add up to 0.0040
         $MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n => undecided: it counts where MD10260 = 1
         $MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n$MN_CONVERT_SCALING_SYSTEM=1 => fail: MD32711 of AX2 is 0, the job has its CEC tables in mm
         $MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n$MN_CONVERT_SCALING_SYSTEM=0 => pass

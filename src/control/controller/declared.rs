@@ -127,8 +127,6 @@ section! {
     pub struct DeclaredFacts(facts: &Facts<'_>) {
         /// The numbers that stand in place of tables.
         pub factors: Option<Fact<Vec<Factor>>> = if_stated();
-        /// Whether an axis follows the corrected position of another one: what that one gets moves it, too.
-        pub chained: Option<Fact<bool>> = if_stated();
         /// Why a slope has no factor.
         pub no_factor: Option<Fact<String>> = if_stated();
         /// The name of the set of factors, of which the control loads one.

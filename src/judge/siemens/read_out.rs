@@ -32,7 +32,9 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let tables = all.idle.clone();
         reading.tell(InControl::Idle { tables });
     }
-    let is_agreed = |datum: &&MachineDatum| !told.twice.contains(&datum.variable);
+    let is_agreed = |datum: &&MachineDatum| {
+        !(is_switch(&datum.variable) && told.twice.contains(&datum.variable))
+    };
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
         data: all.machine_data.iter().filter(is_agreed).cloned().collect(),

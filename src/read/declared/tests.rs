@@ -254,17 +254,6 @@ fn a_factor_of_0_needs_no_axis() {
     assert!(facts.control(&of("0.002"), &state).is_err());
 }
 
-/// `y' = y − z·yz`, `x = x − y'·xy`: X follows Z though no factor of its own is for the two.
-#[test]
-fn an_axis_follows_another_one_through_a_third() {
-    let set = "[skew_correction a]\nxy_skew = 0.01\nxz_skew = 0\nyz_skew = 0.02\n";
-    let mut held = read(&[("printer.cfg", set)], &klipper()).unwrap();
-    held.tables.retain(|own| !own.is_zero());
-    let acting = acting(&held, &klipper());
-    assert!((acting.factor("z", "x") + 0.0002).abs() < 1e-12, "{acting:?}");
-    assert_eq!(acting.tables.len(), 3);
-}
-
 /// A configuration that loads nothing is none of the kit's, and of two files with a set the control loads one.
 #[test]
 fn a_configuration_beside_the_kit_is_of_concern_with_a_set() {

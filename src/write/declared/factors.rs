@@ -112,10 +112,7 @@ impl DeclaredFacts {
             self.cross_sign.value.correction(added.sum::<f64>() * UM_PER_MM).um()
         };
         let at = |axis: Axis| task.job.machine.axes[axis].map_or(0.0, |own| own.reference.mm());
-        let is_chained = self.chained.as_ref().is_some_and(|own| own.value);
-        let moved =
-            |axis: Axis| at(axis) + if is_chained { sum(axis, &at) / UM_PER_MM } else { 0.0 };
-        let shifts = Axis::ALL.map(|axis| (axis, sum(axis, &moved))).into_iter();
+        let shifts = Axis::ALL.map(|axis| (axis, sum(axis, &at))).into_iter();
         shifts
             .filter(|(_, um)| um.abs() >= 0.1)
             .map(|(axis, um)| TableFinding::Shifted { axis, um })
