@@ -12,21 +12,18 @@
 //! point and parameter that the files overwrite, there is no rollback file, and what is missing is
 //! named. Zeros are not a rollback.
 
+use super::inputs::Asked;
+use super::made::{Made, as_kit_file};
+use super::movement;
 use crate::control::controller::Role;
 use crate::judge::active::Origin;
 use crate::judge::before::{Before, ChangedBy, Old};
 use crate::judge::family::family;
-use crate::judge::field::{Field, Pair};
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
-use crate::kit::inputs::Asked;
-use crate::kit::made::{Made, as_kit_file};
-use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
-use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::read::siemens::{MachineDatum, MachineValue};
-use crate::read::{KitFile, ReadBack, emulator, read_apart};
+use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::{Finding, Problems};
-use crate::write::emit;
-use crate::write::emit::{Emitted, Instead, RenderedFile, Switch, Templates};
+use crate::write::emit::{self, Emitted, Instead, RenderedFile, Switch, Templates};
 
 /// What a kit writes for the rollback, and what it leaves to a person.
 #[derive(Default)]
@@ -100,7 +97,7 @@ impl Before<'_> {
         let by_hand = unknown.map(|(what, by_file)| InRollback::BringBack { what, by_file });
         let stays = old.stays.iter().cloned();
         let stays = stays.map(|table| InRollback::Stays { table });
-        let by_hand = by_hand.chain(stays).chain(way_back(self));
+        let by_hand = by_hand.chain(stays).chain(movement::way_back(self));
         Ok(Rollback {
             files,
             not_written: look.map(Finding::from).collect(),
@@ -141,92 +138,4 @@ pub(super) fn differences(
     let old = before.and_then(|before| family(&inputs.profile.dialect).old(&before).ok());
     let same = old.is_some_and(|old| is_same(&old, &read));
     Ok((!same).then_some(FieldFault::OtherRollback))
-}
-
-// How the axes move: when the tables of a kit are switched, and at the reference point when the old ones
-// act again.
-
-/// Largest movement of each physical axis when the tables are switched, all base axes at their
-/// worst place: a bound, not a place. Backlash parameters are not switched with the tables, but what a
-/// table holds for one direction is (3627 on Fanuc).
-pub(super) fn switching(made: &Made<'_>) -> Emulated<Vec<String>> {
-    let (names, tables) = (&made.plan.names, &made.plan.tables);
-    let mut state = made.compiled.state.clone();
-    state.axes.iter_mut().for_each(|axis| axis.backlash_um = 0.0);
-    let control = emulator(&made.inputs.profile, &made.compiled.tables, &state)?;
-    let has_table = |term: ErrorTerm| tables.iter().any(|table| table.term == term);
-    let field = Field::of(names, control.as_ref(), has_table)?;
-    let axes = &made.inputs.job.machine.axes;
-    let references = PerAxis::from_fn(|axis| axes[axis].map(|own| own.reference));
-    let zeros = PerAxis::from_fn(|axis| references[axis].map_or(0.0, Millimetres::mm));
-    let line = |of: Axis| {
-        let (mut anywhere, mut at_reference) = (0.0, 0.0);
-        for along in Axis::ALL {
-            let term = ErrorTerm { of, along };
-            let ways = Direction::BOTH.into_iter().filter(|_| has_table(term));
-            let ways = ways.flat_map(|direction| field.ways(term, direction));
-            let ends = ways.map(|way| extremes(way, references[along]));
-            let (largest, there) =
-                ends.fold((0.0, 0.0), |all, of| (f64::max(all.0, of.0), f64::max(all.1, of.1)));
-            anywhere += largest;
-            at_reference += there;
-        }
-        let swing = |at: Option<PerAxis<f64>>| {
-            names[of].iter().map(|name| control.swing(name, at).abs()).fold(0.0, f64::max)
-        };
-        anywhere += swing(None);
-        at_reference += swing(Some(zeros));
-        format!(
-            "{}: at most {at_reference:.3} µm at the reference point, up to {anywhere:.1} µm elsewhere",
-            made.axes(of)
-        )
-    };
-    let moved = Axis::ALL.into_iter().filter(|axis| tables.iter().any(|t| t.term.of == *axis));
-    Ok(moved.map(line).collect())
-}
-
-/// Largest |correction| at the nodes of all tables, between which it is no larger, and at the
-/// reference.
-fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
-    let at = |place: Millimetres| response.correction(place).um().abs();
-    let there = reference.map_or(0.0, at);
-    let nodes = response.tables().iter().flat_map(|table| table.nodes());
-    let largest = nodes.map(|(place, _)| at(place)).fold(there, f64::max);
-    (largest, there)
-}
-
-/// Movements below it are none, µm.
-const NOTHING_UM: f64 = 1e-3;
-
-/// Each physical axis that the old tables hold off zero at the reference point.
-///
-/// unit   µm, with the side it moves to · limits all axes at the reference point; the tables that
-///        acted, not those that were switched off
-pub(super) fn way_back(before: &Before<'_>) -> Vec<InRollback> {
-    let (profile, active) = (before.task.profile, before.active);
-    let moved = emulator(profile, &active.tables, &active.state)
-        .and_then(|control| moved(before, control.as_ref()));
-    moved.unwrap_or_else(|reason| vec![InRollback::MovementUnknown { reason: reason.0 }])
-}
-
-fn moved(before: &Before<'_>, control: &dyn Emulator) -> Emulated<Vec<InRollback>> {
-    let (names, axes) = (&before.plan.names, &before.task.job.machine.axes);
-    let field = Field::of(names, control, |term| axes[term.along].is_some())?;
-    // What an axis adds to another at its reference, having come from the reference return.
-    let added = |(term, pair): (ErrorTerm, &Pair)| {
-        let machine = axes[term.along].as_ref()?;
-        let tables = pair.way(machine.homing()).tables().iter();
-        Some(tables.map(|table| table.correction(machine.reference).um()).sum::<f64>())
-    };
-    let moved = Axis::ALL.into_iter().flat_map(|of| names[of].iter().map(move |name| (of, name)));
-    let moved = moved.filter_map(|(axis, name)| {
-        let own = field.pairs().filter(|(term, pair)| term.of == axis && pair.output == *name);
-        let um: f64 = own.filter_map(added).sum();
-        (um.abs() > NOTHING_UM).then(|| InRollback::MovesAtReference {
-            axis,
-            name: name.clone(),
-            um,
-        })
-    });
-    Ok(moved.collect())
 }

@@ -4,21 +4,19 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::SiemensFacts;
 use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTables};
 use crate::write::compiled::Placement;
-use crate::write::control_text::{Seen, seen};
-use crate::write::control_text::{Switch, fixed};
+use crate::write::control_text::{Seen, Switch, fixed, seen};
 use crate::write::family::Emitted;
 use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
-use std::cell::RefCell;
 
 pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Seen {
     let Emitted { task, compiled, instead, .. } = *emitted;
-    let digits = Digits { facts, as_read: instead.as_read, places: RefCell::default() };
+    let digits = Digits { facts, as_read: instead.as_read };
     let placements = match instead.names_terms {
         true => compiled.placements.as_slice(),
         false => &[],
     };
-    let of_table = |table| of_table(table, placements, &digits);
+    let of_table = |table| of_table(table, placements, digits);
     let held = |table| held(&compiled.state, facts, table);
     seen! {
         "lec": tables.lec().map(of_table).collect::<Vec<Seen>>(),
@@ -55,7 +53,7 @@ fn held(state: &ControlState, facts: &SiemensFacts, table: &SiemensTable) -> Opt
     (value.abs() > 0.0).then(|| format!("  {name}: {text} {unit}{way}"))
 }
 
-fn of_table(table: &SiemensTable, placements: &[Placement], digits: &Digits<'_>) -> Seen {
+fn of_table(table: &SiemensTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
     let title = title(placements, &table.place.name());
     let (grid, points) = (digits.grid(&table.grid), digits.points(&table.values, &table.grid));
     let memory = table.values.len().to_string();
@@ -95,16 +93,15 @@ fn title(placements: &[Placement], place: &str) -> String {
 }
 
 /// How numbers become text.
+#[derive(Clone, Copy)]
 struct Digits<'a> {
     facts: &'a SiemensFacts,
     /// All digits of a number that has more than the profile writes.
     as_read: bool,
-    /// The points of the last grid: tables of an axis have the same, and their number and position as text are shared.
-    places: RefCell<(Option<SiemensGrid>, Vec<[Seen; 2]>)>,
 }
 
 impl Digits<'_> {
-    fn text(&self, number: f64, decimals: u32) -> String {
+    fn text(self, number: f64, decimals: u32) -> String {
         let text = fixed(number, decimals);
         if self.as_read && text.parse() != Ok(number) {
             return format!("{number}");
@@ -112,25 +109,19 @@ impl Digits<'_> {
         text
     }
 
-    fn grid(&self, grid: &SiemensGrid) -> Seen {
+    fn grid(self, grid: &SiemensGrid) -> Seen {
         let text = |number: f64| self.text(number, self.facts.position_decimals.value);
         seen! { "min": text(grid.min), "step": text(grid.step), "max": text(grid.max) }
     }
 
-    fn points(&self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Seen> {
-        let mut known = self.places.borrow_mut();
-        if known.0.as_ref() != Some(grid) || known.1.len() != values.len() {
-            let position = |index| fixed(grid.position(index), self.facts.position_decimals.value);
-            let place = |index: usize| [index.to_string().into(), position(index).into()];
-            *known = (Some(*grid), (0..values.len()).map(place).collect());
-        }
-        let of_point = |([index, position], value): (&[Seen; 2], &Option<f64>)| {
+    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Seen> {
+        let of_point = |(index, value): (usize, &Option<f64>)| {
             Some(seen! {
-                "index": index.clone(),
-                "position": position.clone(),
+                "index": index.to_string(),
+                "position": fixed(grid.position(index), self.facts.position_decimals.value),
                 "value": self.text((*value)?, self.facts.value_decimals.value),
             })
         };
-        known.1.iter().zip(values).filter_map(of_point).collect()
+        values.iter().enumerate().filter_map(of_point).collect()
     }
 }
