@@ -26,6 +26,7 @@ mod separate;
 mod show;
 mod simulate;
 mod standards;
+mod tables;
 #[cfg(feature = "disk")]
 mod terminal;
 mod verify;

@@ -11,6 +11,7 @@ mod inputs;
 mod loaded;
 mod made;
 pub mod manifest;
+mod movement;
 pub mod program_kit;
 mod rollback;
 pub mod second_look;

@@ -3,8 +3,8 @@
 mod page;
 mod text;
 
-use crate::cli::outcome::AskedTables;
 use crate::cli::outcome::{Outcome, PlotOnly, Print, positive};
+use crate::cli::tables::AskedTables;
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
 use crate::kit::{Inputs, Loaded};

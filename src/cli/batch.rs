@@ -11,8 +11,7 @@
 use crate::cli::outcome::{Answer, Outcome, is_reader_gone};
 use crate::quantity::Figure;
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems, sha256, shown};
-use crate::visit::files::Memory;
-use crate::visit::files::{Files, not_put_out, plain_words, printed};
+use crate::visit::files::{Files, Memory, not_put_out, plain_words, printed};
 use clap::Args;
 use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};

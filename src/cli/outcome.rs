@@ -5,8 +5,7 @@
 use crate::cli::screen::{Detail, Screen};
 use crate::kit::manifest;
 use crate::page::{Locale, Picture, Shown, Texts};
-use crate::text::plain;
-use crate::text::{Problem, Problems};
+use crate::text::{Problem, Problems, plain};
 use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
 use serde::Serialize;

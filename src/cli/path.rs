@@ -3,8 +3,8 @@
 mod page;
 mod samples;
 
-use crate::cli::outcome::AskedTables;
 use crate::cli::outcome::{Outcome, Output, Plot};
+use crate::cli::tables::AskedTables;
 use crate::inputs::problems;
 use crate::page::{Ink, Trace};
 use crate::text::{Problem, Problems};

@@ -4,7 +4,7 @@ use crate::inputs::job::UseOf;
 use crate::kit::{Inputs, generate};
 use crate::text::Problems;
 use crate::visit::files::Files;
-use crate::visit::tables::{Corrected, read_directory};
+use crate::visit::inputs::{Corrected, read_directory};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 use std::path::PathBuf;

@@ -2,6 +2,7 @@
 
 mod machine;
 mod read_out;
+mod surroundings;
 
 use crate::control::controller::{FanucFacts, NumberRange, Profile};
 use crate::control::table::Tables;
@@ -113,8 +114,8 @@ impl Family for FanucFacts {
         let wanted = before.compiled;
         let (state, tables) = (&wanted.state, own(&wanted.tables));
         let held = own(&before.held.tables);
-        let found = read_out::found(before.plan, state, tables, held);
-        (found, read_out::absent(&state.axes, tables, held))
+        let found = surroundings::found(before.plan, state, tables, held);
+        (found, surroundings::absent(&state.axes, tables, held))
     }
 
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {

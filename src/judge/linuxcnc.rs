@@ -1,8 +1,7 @@
 //! LinuxCNC: what was read out of it, against a job and against a kit.
 
 use crate::control::controller::{ControlUnit, LinuxcncFacts, Listed};
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::declared;

@@ -18,8 +18,7 @@ use crate::judge::forecast::Miss;
 use crate::kit::findings::FieldFault;
 use crate::kit::inputs::{Asked, cannot_emulate};
 use crate::kit::made::Made;
-use crate::kit::remarks;
-use crate::kit::{Inputs, rollback};
+use crate::kit::{Inputs, movement, remarks, rollback};
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems};
 use crate::write::compensation::{Compiled, displayed, uses};
@@ -46,7 +45,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let notes = missing.into_iter().chain(rollback.note().map(Finding::from)).collect();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
-    let movement = rollback::switching(made).map_err(|reason| cannot_emulate(&reason))?;
+    let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
     let (task, compiled) = (made.task(), &made.compiled);
     let lists = |list: List| match list {
         List::Places => places(made),

@@ -14,8 +14,7 @@ pub use self::again::{Earlier, Measured};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::inputs::job::keys;
-use crate::quantity::pitch;
-use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis};
+use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis, pitch};
 use crate::text::{Problem, Problems, joined};
 use crate::write::emit::{TOOL, filled};
 use serde_json::{Value, json};

@@ -3,8 +3,7 @@
 
 use super::scale::{around, below};
 use crate::quantity::{Figure, MM_PER_INCH, UM_PER_MM, rounded};
-use crate::text::plain;
-use crate::text::{Problem, Problems, Source, escaped};
+use crate::text::{Problem, Problems, Source, escaped, plain};
 use std::collections::BTreeMap;
 
 /// In which unit lengths are shown; documents are always in mm and µm.

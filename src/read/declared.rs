@@ -20,13 +20,11 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{
     Comments, DeclaredFacts, Factor, Field, Listed, Pattern, Said, Size,
 };
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
-use crate::read::generic;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::read::listed;
+use crate::read::{generic, listed};
 use crate::text::{Problem, Problems, shown};
 use std::ops::Range;
 

@@ -5,8 +5,7 @@
 //! [`crate::inputs::error_table`], `crate::inputs::readings`.
 
 use crate::quantity::{MM_PER_INCH, UM_PER_MM};
-use crate::text::refused;
-use crate::text::{LARGEST_NUMBER, Place, Problem, Problems, Source, nearest, shown};
+use crate::text::{LARGEST_NUMBER, Place, Problem, Problems, Source, nearest, refused, shown};
 use std::borrow::Cow;
 use std::ops::Range;
 

@@ -11,8 +11,7 @@ mod section;
 
 pub(crate) use self::page::{read_page_for, read_page_over, states};
 
-use crate::text::refused;
-use crate::text::{LineIndex, Place, Problem, Problems, refuse_long_lines};
+use crate::text::{LineIndex, Place, Problem, Problems, refuse_long_lines, refused};
 pub use schema::Key;
 pub(crate) use schema::{part, section};
 pub use section::Section;

@@ -8,7 +8,10 @@ mod problem;
 mod refused;
 mod words;
 
-pub(crate) use self::document::part;
+pub(crate) use self::document::{
+    json_page, part, read_page_for, read_page_over, refuse_large_page, refuse_many_lines, section,
+    states, template_text,
+};
 
 pub use self::delimited::{LengthUnit, Line, lines};
 pub(crate) use self::delimited::{columns_of, header_and_rows, plain_number, refuse_many_columns};
@@ -16,10 +19,6 @@ pub(crate) use self::document::keys::{LIMITS, Places};
 pub use self::document::{
     Key, LARGEST_FILE_MIB, LARGEST_NUMBER, LARGEST_PAGE, LONGEST_MM, MOST_LINES, MOST_POINTS,
     MOST_ROWS, Section, Source, sha256,
-};
-pub(crate) use self::document::{
-    json_page, read_page_for, read_page_over, refuse_large_page, refuse_many_lines, section,
-    states, template_text,
 };
 pub use self::finding::{Finding, Kind, Severity, of_severity};
 pub(crate) use self::finding::{findings, joined, listed, once};

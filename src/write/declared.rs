@@ -10,14 +10,12 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{
     ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, TypedValue, ValueForm,
 };
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables, Point, name};
+use crate::control::table::{ListedTable, ListedTables, Point, Tables, name};
 use crate::inputs::job::Compensation;
 use crate::quantity::{Axis, Direction, ErrorTerm, power_of_ten};
 use crate::text::{Finding, Problems};
 use crate::write::compiled::{Compiled, backlash_parameter, backlash_text, whole_below};
-use crate::write::control_text::fixed;
-use crate::write::control_text::{Seen, seen, with};
+use crate::write::control_text::{Seen, fixed, seen, with};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;

@@ -16,11 +16,9 @@ use crate::control::controller::{EmittedFile, Encoding, Profile, Role, Template,
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::Direction;
-use crate::text::plain;
-use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, shown};
+use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, plain, shown};
 use crate::write::compensation::{Compiled, Placement};
-use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
-use crate::write::control_text::{Seen, seen};
+use crate::write::control_text::{COMMENT_TEXT, Seen, ascii, is_comment_text, seen};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::task::Task;

@@ -20,8 +20,7 @@ use crate::text::{Problem, Problems};
 use crate::write::compiled::{
     Compiled, Placement, backlash_parameter, backlash_text, control_state,
 };
-use crate::write::control_text::fixed;
-use crate::write::control_text::{Seen, seen};
+use crate::write::control_text::{Seen, fixed, seen};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;

@@ -15,14 +15,12 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{
     Columns, ControlUnit, CrossTerms, LinuxcncFacts, Listed, MOST_JOINTS, Mechanism,
 };
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables, Point};
+use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::inputs::job::Compensation;
 use crate::quantity::{Direction, ErrorTerm};
 use crate::text::Problems;
 use crate::write::compiled::Compiled;
-use crate::write::control_text::{Seen, seen};
-use crate::write::control_text::{fixed, trimmed};
+use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;

@@ -5,8 +5,7 @@
 //!   never adds up.
 
 use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables, Point};
+use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
 use crate::write::compiled::{Compiled, Placement, backlash_text, column, control_state};

@@ -4,13 +4,12 @@ mod functions;
 mod motion;
 mod tools;
 
-use crate::MM_PER_INCH;
 use crate::block::{Block, CALL, CodeWord};
 use crate::codes::{Code, Cycle, Drill, GROUPS, Motion, code, why_not};
 use crate::flow::Flow;
 use crate::setup::Offsets;
 use crate::wrong::{Span, Wrong, refuse};
-use crate::{EXTENDED, Language, Move, Place, Plane, Setup, system_name};
+use crate::{EXTENDED, Language, MM_PER_INCH, Move, Place, Plane, Setup, system_name};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const AXES: [u8; 3] = *b"XYZ";

@@ -13,8 +13,7 @@ use super::family::{Family, Proof};
 use super::form::{Form, Listed, Order, Rounding, ValueForm};
 use super::generic::Typed;
 use super::pattern::{Field, Pattern};
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::{Axis, ErrorTerm, UM_PER_MM};
 use crate::text::{LengthUnit, Section, section, words};
 

@@ -3,8 +3,7 @@
 
 use super::fact::{Fact, Facts, Outside};
 use super::family::Family;
-use crate::control::table::ListedTables;
-use crate::control::table::Tables;
+use crate::control::table::{ListedTables, Tables};
 use crate::text::{LengthUnit, Word, section, words};
 
 pub(super) static FAMILY: Family = Family {

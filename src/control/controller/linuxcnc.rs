@@ -3,8 +3,7 @@
 use super::fact::{ControlUnit, Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use super::form::{Form, Listed, Order, Rounding, ValueForm};
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::UM_PER_MM;
 use crate::text::{section, words};
 

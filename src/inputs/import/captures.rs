@@ -15,8 +15,7 @@ use crate::inputs::import::stated::{CAPTURES, Counting, Format, Stated};
 use crate::inputs::readings::Readings;
 use crate::inputs::refusals;
 use crate::quantity::{Diagonal, Figure, rounded};
-use crate::text::plain;
-use crate::text::{Line, Problem, Problems, Source};
+use crate::text::{Line, Problem, Problems, Source, plain};
 use std::collections::HashMap;
 
 /// A list, and the diagonal of which it is; `None` = of one axis.

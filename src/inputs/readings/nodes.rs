@@ -4,8 +4,7 @@
 //! On a step run the nodes off the diagonal depend on that order. A run named `NNN`, numbered
 //! from the far corner, meets the nodes of `PPP` only if it takes the axes in the opposite order.
 
-use crate::inputs::readings::Walked;
-use crate::inputs::readings::{Row, Walk};
+use crate::inputs::readings::{Row, Walk, Walked};
 use crate::inputs::refusals;
 use crate::inputs::table::Content;
 use crate::quantity::{Axis, Diagonal, Pass, PathKind};

@@ -6,8 +6,7 @@
 //! far corner, and what the forward runs read there belongs to another set of readings; so only
 //! its increments mean anything, and [`crate::inputs::readings::Readings::offset_known`] says so.
 
-use crate::inputs::readings::Walked;
-use crate::inputs::readings::{Row, Walk};
+use crate::inputs::readings::{Row, Walk, Walked};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content};
 use crate::inputs::target_runs::Values;

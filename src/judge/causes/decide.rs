@@ -6,8 +6,7 @@
 //! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
 use crate::judge::after::Part;
-use crate::judge::causes::change::Question;
-use crate::judge::causes::change::{Change, number};
+use crate::judge::causes::change::{Change, Question, number};
 use crate::judge::causes::data::{Data, Fit, minus, plus, quantile};
 use crate::judge::causes::hypotheses::{CHECKS, Hypothesis};
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, Millimetres};

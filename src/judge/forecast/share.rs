@@ -2,9 +2,8 @@
 
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
-use crate::quantity::pitch;
 use crate::quantity::{
-    Axis, Direction, ErrorCurve, ErrorTerm, Figure, Millimetres, PerAxis, USUAL_MM, larger,
+    Axis, Direction, ErrorCurve, ErrorTerm, Figure, Millimetres, PerAxis, USUAL_MM, larger, pitch,
 };
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset

@@ -14,8 +14,7 @@ use crate::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Figure, Millimetres, Pass, PathKind, PerAxis,
     PerDiagonal, Run, SAME_PLACE_MM, Squared,
 };
-use crate::text::plain;
-use crate::text::{Finding, MOST_LINES, Problem, Problems};
+use crate::text::{Finding, MOST_LINES, Problem, Problems, plain};
 use crate::write::emit::TOOL;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

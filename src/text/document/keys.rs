@@ -5,8 +5,7 @@
 
 use super::Section;
 use crate::quantity::{Axis, Direction, Millimetres, PerAxis};
-use crate::text::refused;
-use crate::text::{is_unseen, shown};
+use crate::text::{is_unseen, refused, shown};
 use std::ops::RangeInclusive;
 
 /// What a place may pass the travel by: the last digit of a coordinate, mm.

@@ -1,8 +1,9 @@
 //! A page of TOML: read, and its problems with their places.
 
 use super::section::{Notes, Section, empty_keys};
-use crate::text::refused;
-use crate::text::{LARGEST_PAGE, Place, Problem, Problems, Source, refuse_large_page, shown};
+use crate::text::{
+    LARGEST_PAGE, Place, Problem, Problems, Source, refuse_large_page, refused, shown,
+};
 use std::ops::Range;
 use toml::de::DeTable;
 

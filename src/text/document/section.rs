@@ -1,7 +1,6 @@
 //! One section of a page, read key by key.
 
-use crate::text::refused;
-use crate::text::{Problem, Problems, did_you_mean, nearest, once, shown};
+use crate::text::{Problem, Problems, did_you_mean, nearest, once, refused, shown};
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
 use std::cell::RefCell;

@@ -6,8 +6,7 @@
 //!   positions, which a note names; what the terms are judged by, the error against the reference, is without it.
 
 use crate::control::controller::{DeclaredFacts, Factor};
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables};
+use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::{
     Axis, Deviation, ErrorTerm, Millimetres, Nodes, UM_PER_MM, power_of_ten, residual, rounded,
 };

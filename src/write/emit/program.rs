@@ -4,8 +4,9 @@ use crate::control::controller::ControlUnit;
 use crate::inputs::job::{Reflector, RunType, TargetGrid};
 use crate::quantity::{Axis, Direction, Pass, PerAxis};
 use crate::text::{Problem, Problems, shown, words};
-use crate::write::control_text::{COMMENT_TEXT, ascii, fixed, is_comment_text, trimmed};
-use crate::write::control_text::{Seen, seen};
+use crate::write::control_text::{
+    COMMENT_TEXT, Seen, ascii, fixed, is_comment_text, seen, trimmed,
+};
 use crate::write::emit::{TOOL, Templates, bytes_of};
 use crate::write::program::{
     Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,

@@ -12,12 +12,10 @@
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::Tables;
-use crate::control::table::{ListedTable, ListedTables, Point};
+use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::rounded;
 use crate::text::Problem;
-use crate::write::control_text::{Seen, seen};
-use crate::write::control_text::{fixed, trimmed};
+use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::task::Task;
 use std::collections::BTreeMap;
 

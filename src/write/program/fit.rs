@@ -3,8 +3,7 @@
 use crate::inputs::job::{
     DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
 };
-use crate::quantity::pitch;
-use crate::quantity::{Axis, PerAxis, rounded};
+use crate::quantity::{Axis, PerAxis, pitch, rounded};
 use crate::text::{Finding, Problems};
 use crate::write::findings::RunFinding;
 use crate::write::program::route::{moving, readings_of};

@@ -1,12 +1,11 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
 use super::{AXES, Interpreter, unknown_system};
-use crate::MM_PER_INCH;
 use crate::block::Block;
 use crate::codes::{Cycle, Motion};
 use crate::moves::{INCH_MISS_MM, Turn, USUAL_MISS_MM};
 use crate::wrong::{Span, Wrong, refuse};
-use crate::{Arc, Language, Move, Place, Shape, WithoutPoint};
+use crate::{Arc, Language, MM_PER_INCH, Move, Place, Shape, WithoutPoint};
 
 const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
 const CENTRES: [u8; 3] = *b"IJK";
