@@ -4,7 +4,7 @@
 //   NONIUS_PICTURES a folder: pictures of each step in three widths, light and dark
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
@@ -296,11 +296,24 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   await pictured("3-measurement-wrong");
 });
 
-const jobs = readdirSync(join(root, "fixtures/nine_errors_900")).filter((name) => name.endsWith(".toml"));
+/** A job of each profile: the fixture, or that of the 840D sl with another control, which for some has a detection unit. */
+function everyJob() {
+  const from = join(root, "fixtures/nine_errors_900");
+  const folder = join(scratch, "every-control");
+  cpSync(from, folder, { recursive: true });
+  const usual = readFileSync(join(from, "siemens-840d-sl.toml"), "utf8");
+  const unit = usual.replace(/^\[(compensation\.axes\.[yz]|acceptance)\]/gm, "detection_unit_um = 1.0\n[$1]");
+  const { controllers } = JSON.parse(execFileSync(program, ["controllers", "list", "--format", "json"], { encoding: "utf8" }));
+  for (const { id } of controllers) {
+    if (!existsSync(join(folder, `${id}.toml`))) writeFileSync(join(folder, `${id}.toml`), unit.replace("siemens-840d-sl", id));
+  }
+  return [folder, controllers.map(({ id }) => `${id}.toml`)];
+}
+
+const [folder, jobs] = everyJob();
 for (const job of jobs) {
   test(`the kit is that of the program: ${basename(job, ".toml")}`, async () => {
     await opened();
-    const folder = join(root, "fixtures/nine_errors_900");
     await choose([join(folder, job), join(folder, "errors.csv")]);
     await page.waitForFunction(() => document.querySelector("header .verdict"));
     await go("kit");
