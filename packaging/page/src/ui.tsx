@@ -121,5 +121,5 @@ export function Framed(props: { html: string; title: string; name: string }) {
 
 /** A picture that the program drew (SVG), on paper whatever the colours around. */
 export function Picture(props: { svg: string }) {
-  return props.svg ? <div class="picture" dangerouslySetInnerHTML={{ __html: props.svg }} /> : null;
+  return props.svg ? <div class="picture" tabIndex={0} dangerouslySetInnerHTML={{ __html: props.svg }} /> : null;
 }

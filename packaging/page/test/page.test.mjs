@@ -126,31 +126,38 @@ async function shows(words) {
   await found.catch(async () => assert.fail(`no "${words}" in: ${await shown()}`));
 }
 
-async function pictured(name) {
-  if (!pictures) return;
-  mkdirSync(pictures, { recursive: true });
+/** What is shown, light and dark, on a desk, a tablet and a phone. */
+async function inEachWindow(look) {
   for (const scheme of ["light", "dark"]) {
     await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
     for (const width of [1280, 820, 390]) {
       await page.setViewport({ width, height: 900 });
       await page.evaluate(() => scrollTo(0, 0));
-      await page.screenshot({ path: join(pictures, `${name}-${width}-${scheme}.png`), fullPage: true });
+      await look(`${width}-${scheme}`);
     }
   }
   await page.emulateMediaFeatures([]);
   await page.setViewport({ width: 1280, height: 900 });
 }
 
+async function pictured(name) {
+  if (!pictures) return;
+  mkdirSync(pictures, { recursive: true });
+  await inEachWindow((window) => page.screenshot({ path: join(pictures, `${name}-${window}.png`), fullPage: true }));
+}
+
 /** Serious faults that axe finds in what is shown. */
 async function accessible(name) {
   await page.evaluate(axe);
-  const found = await page.evaluate(() =>
-    axe
-      .run(document, { iframes: false })
-      .then((all) => all.violations.filter((one) => ["serious", "critical"].includes(one.impact)))
-      .then((all) => all.map((one) => `${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html.slice(0, 120)).join(" | ")}`)),
-  );
-  assert.deepEqual(found, [], `${name}: ${found}`);
+  await inEachWindow(async (window) => {
+    const found = await page.evaluate(() =>
+      axe
+        .run(document, { iframes: false })
+        .then((all) => all.violations.filter((one) => ["serious", "critical"].includes(one.impact)))
+        .then((all) => all.map((one) => `${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html.slice(0, 120)).join(" | ")}`)),
+    );
+    assert.deepEqual(found, [], `${name}, ${window}: ${found}`);
+  });
 }
 
 /** The kit that the program makes of a job. */
