@@ -11,7 +11,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Form, Listed, Outside, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Correction, Direction, Figure, Millimetres, UM_PER_MM, power_of_ten};
-use crate::read::emulate::{Between, CannotEmulate, Emulated, Emulator, NodeTable, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 
 /// A control that holds these tables.
 ///
@@ -67,14 +67,8 @@ fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emul
         true => |point: &Point| point.forward,
         false => |point: &Point| point.reverse.unwrap_or(point.forward),
     };
-    let mut ways = [way(|point| point.forward)?, way(reverse)?];
-    let places = places_mm(form, &points);
-    meets_travel(own, &places, base, &ways)?;
-    if form.outside == Outside::Zero {
-        for way in &mut ways {
-            nothing_outside(&places, way);
-        }
-    }
+    let ways = [way(|point| point.forward)?, way(reverse)?];
+    meets_travel(own, &places_mm(form, &points), base, &ways)?;
     Ok(Pair { base: table.base.clone(), output: table.output.clone(), ways })
 }
 
@@ -176,24 +170,6 @@ impl OneWay<'_> {
 #[allow(clippy::cast_possible_truncation, reason = "the control rounds so")]
 fn as_float(number: f64) -> f64 {
     f64::from(number as f32)
-}
-
-/// A step to nothing before the first place and behind the last one.
-fn nothing_outside(mm: &[f64], response: &mut Response) {
-    const ANY_MM: f64 = 1.0;
-    let (Some(first), Some(last)) = (mm.first(), mm.last()) else {
-        return;
-    };
-    let taken = |at: f64| Correction::from_um(0.0 - response.correction(Millimetres::new(at)).um());
-    let steps = [
-        (first - ANY_MM, [taken(*first), Correction::ZERO], 1.0),
-        (*last, [Correction::ZERO, taken(*last)], 0.0),
-    ];
-    for (start, values, fraction) in steps {
-        let [start, step] = [start, ANY_MM].map(Millimetres::new);
-        let table = NodeTable::new(start, step, &values, Between::Step { fraction });
-        table.into_iter().for_each(|table| response.push(table));
-    }
 }
 
 // A control that holds one correction for each pair of axes and each direction: what most families make of their

@@ -54,7 +54,7 @@ pub(crate) fn comment(text: &str) -> String {
 
 fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     let goes = |c: char| is_unseen(c) && !stays(c);
-    if !text.contains(goes) {
+    if !text.chars().any(goes) {
         return Cow::Borrowed(text);
     }
     let seen = text.chars().map(|c| if goes(c) { INSTEAD } else { c });
@@ -102,10 +102,11 @@ pub(crate) fn escaped(text: &str) -> String {
         [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;"), ('\'', "&#39;")];
     let text = line(text);
     let mut out = String::with_capacity(text.len());
-    for part in text.split_inclusive(NAMES.map(|(sign, _)| sign)) {
-        let name = NAMES.iter().find(|(sign, _)| part.ends_with(*sign));
-        out.push_str(name.map_or(part, |_| &part[..part.len() - 1]));
-        out.push_str(name.map_or("", |(_, name)| name));
+    for letter in text.chars() {
+        match NAMES.iter().find(|(sign, _)| *sign == letter) {
+            Some((_, name)) => out.push_str(name),
+            None => out.push(letter),
+        }
     }
     out
 }

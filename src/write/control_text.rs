@@ -4,8 +4,8 @@
 use crate::quantity::{Figure, power_of_ten};
 use crate::text::is_unseen;
 use deunicode::deunicode_with_tofu;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
 use std::borrow::Cow;
-use tera::Map;
 use tera::value::Key;
 
 // What templates see: texts, lists and names, as the template engine holds them. Made once, so that no other tree of
@@ -14,9 +14,20 @@ use tera::value::Key;
 /// A finished text, a list, or names with what they stand for.
 pub(crate) type Seen = tera::Value;
 
+/// Names in this order, as the engine itself keeps the fields of a struct: each is hashed once.
+struct Names<'a>(&'a [(&'static str, Seen)]);
+
+impl Serialize for Names<'_> {
+    fn serialize<S: Serializer>(&self, engine: S) -> Result<S::Ok, S::Error> {
+        let mut names = engine.serialize_struct("", self.0.len())?;
+        self.0.iter().try_for_each(|(name, own)| names.serialize_field(name, own))?;
+        names.end()
+    }
+}
+
 /// Names in this order.
-pub(crate) fn named<const N: usize>(names: [(&'static str, Seen); N]) -> Seen {
-    names.into_iter().map(|(name, own)| (Key::Str(name), own)).collect::<Map>().into()
+pub(crate) fn named(names: &[(&'static str, Seen)]) -> Seen {
+    Seen::try_from_serializable(&Names(names)).unwrap_or_else(|_| Seen::none()) // nothing in it fails
 }
 
 /// Names, and one more.
@@ -29,7 +40,7 @@ pub(crate) fn with(names: Seen, name: &'static str, own: Seen) -> Seen {
 /// `seen! { "name": text, … }`: names in this order, each with a text, a list of texts, or what is seen of something.
 macro_rules! seen {
     ($($name:literal: $own:expr),* $(,)?) => {
-        $crate::write::control_text::named([$(($name, $own.into())),*])
+        $crate::write::control_text::named(&[$(($name, $own.into())),*])
     };
 }
 
