@@ -1,4 +1,4 @@
-//! Benchmarks of the main job; docs/performance.md has the figures and how to rerun them.
+//! Benchmarks of the main job; CONTRIBUTING.md has the figures and how to rerun them.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::control::controller::builtin;

@@ -1,5 +1,5 @@
 //! The page of a whole visit, n = 40: files of readings → nine errors, tables read back, volume, pictures, HTML; in
-//! process, and as a process, so what it prints goes nowhere. docs/performance.md has the figures.
+//! process, and as a process, so what it prints goes nowhere. CONTRIBUTING.md has the figures.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nonius::cli::run;

@@ -1,4 +1,4 @@
-//! Separation of step diagonals, n = 30; docs/performance.md has the figures and how to rerun them.
+//! Separation of step diagonals, n = 30; CONTRIBUTING.md has the figures and how to rerun them.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};

@@ -1,4 +1,4 @@
-//! Volumetric accuracy of machine H; docs/performance.md has the figures and how to rerun them.
+//! Volumetric accuracy of machine H; CONTRIBUTING.md has the figures and how to rerun them.
 
 #[path = "../tests/support/machine_h.rs"]
 mod machine_h;

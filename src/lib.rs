@@ -62,7 +62,7 @@
 //! * **where values are rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
 //! * **what a control does with a table**: `control.rs` in the folder of its family, [`read::siemens`] …
 //! * **where a new control goes**: a profile alone; or, for a new family, `write/<family>`, `read/<family>`, `judge/<family>`,
-//!   its facts and tables in `control`, a profile, templates (docs/controllers.md §3)
+//!   its facts and tables in `control`, a profile, templates (CONTRIBUTING.md)
 //!
 //! Another program runs any command on files in memory with [`cli::answer`]; without the feature `disk` nothing here
 //! touches a disk or a terminal (a browser).

@@ -1,5 +1,5 @@
-//! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §2,
-//! docs/fanuc.md §2, docs/interface.md §4.1, docs/linuxcnc.md §1, docs/isg.md §1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
+//! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §3.2,
+//! docs/fanuc.md §3.2, docs/interface.md §4.1, docs/linuxcnc.md §2, docs/isg.md §3). It knows nothing of templates, of `src/write/emit` or of `src/read`.
 
 use nonius::control::controller::Dialect;
 

@@ -15,7 +15,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
-// Options of `import`. What a file does not carry has to be stated; see docs/import.md.
+// Options of `import`. What a file does not carry has to be stated; see docs/measuring.md §5.
 #[derive(Args, Debug)]
 #[command(mut_arg("output", |arg| arg.required(true)))]
 pub(super) struct Options {

@@ -180,6 +180,6 @@ fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> Strin
             format!("copy the file to be filled in to {place}, which the job names")
         }
     }));
-    lines.push("before cycle start: read the header, single block and low rapid override until node 0 (docs/program.md)".to_string());
+    lines.push("before cycle start: read the header, single block and low rapid override until node 0 (docs/measuring.md)".to_string());
     lines.join("\n")
 }

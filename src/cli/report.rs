@@ -50,7 +50,7 @@ pub(super) struct Options {
     /// Sign of the company (PNG, JPEG or SVG)
     #[arg(long, value_name = "FILE")]
     logo: Option<PathBuf>,
-    /// A template of one's own (docs/report.md)
+    /// A template of one's own (docs/visit.md §11)
     #[arg(long, value_name = "FILE")]
     template: Option<PathBuf>,
     #[command(flatten)]
@@ -291,7 +291,7 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
     let path = Path::new(language);
     if !files.is(Kind::File, path) {
         let shipped = joined(Texts::languages());
-        let help = format!("expected one of {shipped}, or a file of texts (docs/report.md)");
+        let help = format!("expected one of {shipped}, or a file of texts (docs/visit.md §11)");
         return Err(Problem::new(format!("there are no texts `{language}`")).help(help).into());
     }
     let stem = path.file_stem();

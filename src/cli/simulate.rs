@@ -182,7 +182,7 @@ fn error_table(
 }
 
 fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: String) -> Screen {
-    let not_in_it = "not in it: angular errors and repeatability of the machine, a tilted mirror, drift during the run (docs/rehearsal.md)";
+    let not_in_it = "not in it: angular errors and repeatability of the machine, a tilted mirror, drift during the run (docs/visit.md §12)";
     let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
     let doubts = taken_for_granted(inputs);
     let others = origin.notes.iter().filter(|note| !doubts.contains(note));

@@ -1,4 +1,4 @@
-//! The steps of a service visit: as they stand in a profile, and filled in for one kit (docs/field-kit.md).
+//! The steps of a service visit: as they stand in a profile, and filled in for one kit (docs/visit.md).
 //! Nothing here moves a machine.
 
 use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, origin_or_rule};

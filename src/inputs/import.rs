@@ -7,8 +7,8 @@
 //! ```
 //! What the file states is used and said. What it does not carry (component, machine coordinate
 //! of the first target, sense of the targets, sign, unit) has to be stated; what is understood of it
-//! beyond that is confirmed, and a statement that contradicts the file is a problem. docs/import.md
-//! has the whole list.
+//! beyond that is confirmed, and a statement that contradicts the file is a problem. docs/measuring.md
+//! §5 has the options.
 
 mod captures;
 mod columns;

@@ -183,7 +183,7 @@ fn refuse_table(source: &Source) -> Result<(), Problem> {
     Err(refusals::table_not_job(&source.name, what, key))
 }
 
-/// The keys of a job, each with the section that it stands in; those of `[path]` are in docs/path.md.
+/// The keys of a job, each with the section that it stands in; those of `[path]` are in docs/volume.md §8.
 pub fn keys() -> impl Iterator<Item = (&'static str, Key)> {
     let sections = [
         ("machine", Machine::KEYS),

@@ -31,7 +31,7 @@ refusals! {
     // Whatever the format.
     not_recognised(name) => "the format of `{name}` is not recognised", "map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there";
     only_understood(options, command) => "understood from the file, but neither stated nor confirmed: {options}", format!("if it is so, add `--yes`; or in full: {command}");
-    list_without_form() => "a list of captures does not say where they were taken", "name the form that says it, `--form readings.csv` (docs/import.md section 8)";
+    list_without_form() => "a list of captures does not say where they were taken", "name the form that says it, `--form readings.csv` (docs/measuring.md section 4)";
     other_count(found, expected) => "expected {expected} words in this row, found {found}", MISSING;
     something_else(what, found, expected, help) => "{what} is `{found}`, expected {expected}", help.to_string();
     no_sense_of_targets() => "the targets neither ascend nor descend, expected at least two in one sense", "a measurement on a line is needed; circular or repeated targets make no curve";

@@ -1,4 +1,4 @@
-//! The field kit: sign proofs, rollback and checklist, made and read back (docs/field-kit.md).
+//! The field kit: sign proofs, rollback and checklist, made and read back (docs/visit.md).
 //!
 //! ```text
 //!   sign_proof ─→ emit ─→ BYTES ─→ read ─→ its control ─→ what a gauge has to show ─┐

@@ -86,7 +86,7 @@ fn not_read_back(problems: Problems) -> Problems {
             "the files that the templates made cannot be read back, so nothing is written",
         )
         .help(
-            "a template of your own has to keep to the format of the dialect (docs/templates.md)",
+            "a template of your own has to keep to the format of the dialect (docs/own-control.md §3)",
         ),
     );
     all.extend(problems);

@@ -186,7 +186,7 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
 }
 
 fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
-    const PAGE: &str = "docs/program.md §3";
+    const PAGE: &str = "docs/measuring.md §3";
     let zero = "machine coordinates exist only after the reference return";
     let own = [
         ["all axes", "referenced", zero, PAGE],

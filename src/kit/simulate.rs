@@ -227,7 +227,7 @@ fn programmed(job: &Job) -> Result<DiagonalMeasurement, Problem> {
         None => (
             "measurement.errors",
             "the job does not say how diagonals would be measured: it has neither readings nor a section [program]",
-            "add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md), or predict single axes with `--errors`",
+            "add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/measuring.md), or predict single axes with `--errors`",
         ),
         Some(program) => match program.measured() {
             Some(measurement) => return Ok(measurement),

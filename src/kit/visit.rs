@@ -152,7 +152,7 @@ impl Visit<'_> {
         if self.profile.job_keys.is_empty() {
             let words =
                 format!("the profile `{}` does not say which keys its job needs", self.profile.id);
-            let help = "add them as `[[job]]` (docs/controllers.md section 3), or build it on a built-in one with `based_on`";
+            let help = "add them as `[[job]]` (docs/own-control.md section 3), or build it on a built-in one with `based_on`";
             return Err(Problem::new(words).help(help).into());
         }
         let axes = Axis::ALL.map(|axis| {

@@ -152,7 +152,7 @@ impl Texts {
         for (what, keys) in [("lacks", missing), ("holds the unknown keys", unknown)] {
             if !keys.is_empty() {
                 let words = format!("`{}` {what}: {}", source.name, keys.join(", "));
-                let help = "the keys are those of the English texts (docs/report.md)";
+                let help = "the keys are those of the English texts (docs/visit.md §11)";
                 problems.push(Problem::new(words).help(help));
             }
         }

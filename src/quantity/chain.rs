@@ -8,7 +8,7 @@
 //! The letters stand from the foot of the machine outwards: those before `w` carry the workpiece,
 //! the last of them is nearest to it. What matters for errors of the tool *relative to the
 //! workpiece* is the order from the workpiece to the tool (1, 2, 3): a rotation of axis i swings
-//! everything that stands after it (docs/volumetric.md §2).
+//! everything that stands after it (docs/volume.md §2).
 
 use crate::quantity::{Axis, PerAxis, Rotation};
 use std::fmt;
@@ -111,7 +111,7 @@ pub fn unit(axis: Axis) -> PerAxis<f64> {
 /// formula  e = r₁ × (a₂ + a₃ + t) + r₂ × (a₃ + t) + r₃ × t        r = r₁ + r₂ + r₃
 /// shape    `order`: axes 1, 2, 3 from the workpiece to the tool; `rotation_urad`: r by axis; `arm_mm`: a, positions
 ///          less the offsets of the levers; `tool_mm`: t
-/// source   docs/volumetric.md §2
+/// source   docs/volume.md §2
 pub fn displaced(
     order: [Axis; 3],
     rotation_urad: impl Fn(Axis) -> PerAxis<f64>,

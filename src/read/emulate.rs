@@ -8,7 +8,7 @@
 //! A control of a family turns tables into [`NodeTable`]s: corrections at equally spaced nodes and a rule
 //! for what happens between them. Everything after that (evaluation, exact extremes, forecast)
 //! is common to all controls. Controls follow the formal semantics of the references
-//! (docs/siemens.md §5, docs/fanuc.md §5) and know nothing of how a table was made.
+//! (docs/siemens.md §2, docs/fanuc.md §2) and know nothing of how a table was made.
 
 use crate::quantity::{Axis, Correction, Direction, Millimetres, PerAxis, SAME_PLACE_MM};
 
@@ -29,7 +29,7 @@ pub enum Between {
         /// Place of the step inside the section.
         fraction: f64,
     },
-    /// Single pulses of `pulse_um` at equal distances in the section (docs/fanuc.md §5.2).
+    /// Single pulses of `pulse_um` at equal distances in the section (docs/fanuc.md §2.2).
     Pulses {
         /// Size of one pulse, µm.
         pulse_um: f64,

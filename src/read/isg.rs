@@ -4,7 +4,7 @@
 //!   texts ─┬ with a line `file[0] …` ── list ──→ axes, chain, switches; names of the files
 //!          └ those that it names ── csv ──→ curves of the parameters
 //! ```
-//! Written from the pages of the maker named in docs/isg.md §0; it knows nothing of the program's own templates.
+//! Written from the pages of the maker named in docs/isg.md §3; it knows nothing of the program's own templates.
 
 pub mod control;
 mod csv;
@@ -264,7 +264,7 @@ impl Reading {
             "a" | "b" | "c" => {
                 return Err("no rotary axis: errors of rotary axes are not emulated");
             }
-            _ => return Err("a key of this list that this program knows (docs/isg.md §1)"),
+            _ => return Err("a key of this list that this program knows (docs/isg.md §3)"),
         }
         Ok(())
     }

@@ -6,7 +6,7 @@
 //!          └ the others, by the name of a COMP_FILE ── comp ──→ rows
 //! ```
 //! A table says neither its joint nor its type nor its unit, so none is read without the ini. Written from
-//! the C source and the runs named in docs/linuxcnc.md §0; of HAL files the form of a kit is read, no other.
+//! the C source and the runs named in docs/linuxcnc.md §4; of HAL files the form of a kit is read, no other.
 
 mod comp;
 mod hal;

@@ -5,7 +5,7 @@
 //!   error vectors at the nodes ─→ ranges · box · VA · largest from one place
 //!   places and error vectors   ─→ length error (does not depend on how the axes were aligned)
 //! ```
-//! Which one to quote when, and why they differ: docs/volumetric.md §4.
+//! Which one to quote when, and why they differ: docs/volume.md §4.
 
 use crate::machine::separation::curves::range;
 use crate::quantity::{

@@ -16,7 +16,7 @@
 //! **One routine decides.** [`GridMap::at`](grid_map::GridMap::at) computes a vector in a fixed
 //! order of operations, [`pair::square`] a squared difference. Everything else only leaves out
 //! pairs that cannot matter, with room for rounding, so that a figure has the same digits on
-//! every processor. docs/volumetric.md tells how it is computed.
+//! every processor. docs/volume.md §6 tells it in brief.
 
 pub mod grid_map;
 

@@ -389,7 +389,7 @@ impl VolumeModel {
     /// r × (x − optic) at the positions where the straightness was measured, e.g. of X: + ECX·(x − optic)
     /// to EYX, − EBX·(x − optic) to EZX, µm.
     ///
-    /// source  docs/volumetric.md §2: once, as the data are read, not between the measured positions
+    /// source  docs/volume.md §2: once, as the data are read, not between the measured positions
     pub(super) fn optics(
         &self,
         model: &ErrorModel,

@@ -1,4 +1,4 @@
-//! Tables of a control whose profile declares how they are written (docs/declared.md).
+//! Tables of a control whose profile declares how they are written (docs/own-control.md).
 //!
 //! How a plan becomes numbers stands in [`listed`].
 

@@ -2,7 +2,7 @@
 //!
 //! A context holds finished strings only: numbers are rounded in [`crate::write::compensation`] and
 //! turned into text here, once, so a template decides about layout and nothing else. What a
-//! template sees is printed by `nonius context JOB` and explained in docs/templates.md.
+//! template sees is printed by `nonius context JOB` and explained in docs/own-control.md §3.
 
 pub mod program;
 mod templates;

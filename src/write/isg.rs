@@ -1,6 +1,6 @@
 //! ISG kernel, TwinCAT CNC: all errors into the parameters of one volumetric compensation.
 //!
-//! * The file holds errors, not corrections: deviations in mm, angles in rad (docs/isg.md §1).
+//! * The file holds errors, not corrections: deviations in mm, angles in rad (docs/isg.md §3).
 //! * Squareness stands in the slopes of the deviations, as in the job; no constant `C0Y` is written beside them.
 //! * Angles are written where they were measured. Deviations then hold what was measured less what the control
 //!   takes off for the angles on the line of measurement, so nothing is taken off twice.

@@ -200,7 +200,7 @@ fn the_map_of_sub_volumes_holds_the_extremes() {
     assert_eq!(worst.0, number(&windows["max_um"]));
     assert_eq!(worst.1, windows["max_at_mm"]);
     assert_eq!(all[0].0, number(&windows["corner_um"]));
-    // docs/volumetric.md §9: with another zero of the squareness 240.
+    // With another zero of the squareness 240.
     let grouping = &found["grouping"];
     assert_eq!(grouping["records"], 168);
     assert_eq!(grouping["exact"], false);
@@ -240,10 +240,10 @@ fn the_page_and_the_document_of_machine_h() {
     insta::assert_snapshot!("machine_h_document", document);
 }
 
-/// The job of docs/volumetric.md runs as it stands.
+/// The job of docs/volume.md runs as it stands.
 #[test]
 fn the_job_of_the_documentation_is_complete() {
-    let text = page("docs/volumetric.md");
+    let text = page("docs/volume.md");
     let (_, rest) = text.split_once("```toml\n").expect("there is a job");
     let (job, _) = rest.split_once("```").expect("it ends");
     let table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\nx,0,0,0,0,0,0,0\nx,800,8,1,2,5,-4,3\ny,0,0,0,0,0,0,0\ny,500,1,6,0,2,1,0\nz,-450,-3,2,-4,1,1,1\nz,0,0,0,0,0,0,0\n";

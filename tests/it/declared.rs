@@ -1,4 +1,4 @@
-//! The control of docs/controllers.md §3, added without Rust: the page's own files, from the profile to the second visit;
+//! The control of docs/own-control.md §1, added without Rust: the page's own files, from the profile to the second visit;
 //! and what the built-in profiles of this dialect ask of files and checklists.
 
 use crate::support::{Visit, page, replaced};
@@ -7,7 +7,7 @@ const NO_PATTERN: &str = "no pattern of the profile takes this line";
 
 /// The fenced block behind a marker of the page, without its indent.
 fn block(marker: &str) -> String {
-    let page = page("docs/controllers.md");
+    let page = page("docs/own-control.md");
     let rest = page.split(marker).nth(1).expect(marker);
     let lines = rest.lines().skip_while(|line| !line.trim_start().starts_with("```"));
     let lines = lines.skip(1).take_while(|line| line.trim() != "```");

@@ -30,11 +30,25 @@ fn the_readme_shows_what_the_main_job_prints() {
     assert_eq!(drawn, kept, "the picture of the README is what the program draws: NONIUS_UPDATE=1");
 }
 
-/// Every command of the example in docs/rehearsal.md, as it is written there.
+/// Every command of docs/first-kit.md, as it is written there, in a copy of the folder that it names.
+#[test]
+fn the_first_kit_is_made_as_it_is_written() {
+    let (page, visit) = (page("docs/first-kit.md"), Visit::of("start/readings"));
+    let mut printed = String::new();
+    for command in page.lines().filter_map(|line| line.strip_prefix("nonius ")) {
+        printed += &visit.run(command).ends(0).out;
+    }
+    for part in page.split("checked by tests/it/readme.rs").skip(1) {
+        let shown = block_behind(&format!("checked{part}"), "checked");
+        assert!(printed.contains(&shown), "the page shows\n{shown}\nthe program prints\n{printed}");
+    }
+}
+
+/// Every command of the example in docs/visit.md §12, as it is written there.
 #[cfg(unix)]
 #[test]
 fn the_rehearsal_runs_as_it_is_written() {
-    let script = block_behind(&page("docs/rehearsal.md"), "run by tests/it/readme.rs");
+    let script = block_behind(&page("docs/visit.md"), "run by tests/it/readme.rs");
     let script = script.trim_start_matches("sh\n");
     let visit = Visit::new();
     std::os::unix::fs::symlink(fixtures(""), visit.at("fixtures")).unwrap();

@@ -39,7 +39,7 @@ fn preconditions_are_sentences_and_assumptions_without_effect_stand_apart() {
     assert!(idle.contains("interval_decimals_inch = 4: this kit is in mm"), "{idle}");
     ran.says("\n  1240 of axis 1, 2, 3 must be 0 mm:\n")
         .says("the power of the control must be switched off and on after loading 3620 to 3627:")
-        .says("checklist.html, why: docs/fanuc.md §4.2");
+        .says("checklist.html, why: docs/fanuc.md §1.2");
     let (_, ran) = told("fanuc-0i-f", None);
     let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
     assert!(used.contains("straightness_amount_max"), "a 0i-F kit uses it");

@@ -231,11 +231,11 @@ fn the_act_that_stands_first_decides() {
     let visits = seeds.len();
     let found: Vec<_> = in_parallel(seeds, visited).into_iter().flatten().collect();
     let mut text = format!(
-        "{visits} visits, seed {SEED}.\n\n| undecided | visits | an act is told to decide | it does | none is told | the first does |\n| --- | ---: | ---: | ---: | ---: | ---: |"
+        "{visits} visits, seed {SEED}.\n\n| undecided, limit in % of *at most* | visits | said to decide | does | not said | does |\n| --- | ---: | ---: | ---: | ---: | ---: |"
     );
     let kinds = ["forecast", "as left"]
         .into_iter()
-        .flat_map(|of| ["75 to 100", "35 to 60"].map(|share| (of, share)));
+        .flat_map(|of| ["75…100", "35…60"].map(|share| (of, share)));
     // Acts that are told to decide; all visits with a limit that is not far from what is shown.
     let mut all = [(0, 0); 2];
     for (row, (of, share)) in kinds.enumerate() {
@@ -244,7 +244,7 @@ fn the_act_that_stands_first_decides() {
         let does = |told| own.iter().filter(|of| of.1 == told && of.2).count();
         let [yes, sure, no, too] = [count(true), does(true), count(false), does(false)];
         let row = [own.len(), yes, sure, no, too].map(|count| count.to_string()).join(" | ");
-        text += &format!("\n| {of}, limit {share} % of *at most* | {row} |");
+        text += &format!("\n| {of}, {share} | {row} |");
         all[0] = (all[0].0 + yes, all[0].1 + sure);
         if share.starts_with("75") {
             all[1] = (all[1].0 + own.len(), all[1].1 + sure + too);

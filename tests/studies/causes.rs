@@ -466,32 +466,29 @@ fn outcome(rig: &Rig, injected: Injected, file: &str) -> Outcome {
     Outcome { plan: rig.plan, injected, named, words, verdict, decides }
 }
 
-/// The columns of the table.
+/// The kinds in the order of the page.
 const KINDS: &str = "no fault | sign turned | not active | applied twice | wrong unit | other factor | shifted | wrong axis | directions exchanged | backlash twice | backlash not | temperature | measurement turned | unknown";
 
-/// Rows injected, columns named.
+/// Of each injected kind, in how many runs it was named, and what was named as well.
 fn confusion(outcomes: &[Outcome]) -> String {
     let kinds: Vec<&str> = KINDS.split(" | ").collect();
     let mut named = outcomes.iter().flat_map(|o| &o.named);
     let other = named.find(|named| !kinds.contains(&named.as_str()));
-    assert_eq!(other, None, "a kind without a column");
-    let columns = " ---: |".repeat(kinds.len());
-    let mut text = format!("| injected | runs | {KINDS} |\n| --- | ---: |{columns}");
-    for row in &kinds {
-        let of_row: Vec<&Outcome> = outcomes.iter().filter(|o| o.injected.kind() == *row).collect();
-        if of_row.is_empty() {
-            continue;
-        }
-        write!(text, "\n| {row} | {} |", of_row.len()).unwrap();
-        for column in &kinds {
-            let has = |o: &&&Outcome| o.named.iter().any(|named| named == column);
-            match of_row.iter().filter(has).count() {
-                0 => text.push_str(" – |"),
-                count => write!(text, " {count} |").unwrap(),
-            }
-        }
-    }
-    text
+    assert_eq!(other, None, "a kind that the page does not know");
+    let of_kind = |injected: &&str| {
+        let own: Vec<_> = outcomes.iter().filter(|o| o.injected.kind() == *injected).collect();
+        let has = |o: &Outcome, kind: &str| o.named.iter().any(|named| named == kind);
+        let count = |kind: &str| own.iter().filter(|o| has(o, kind)).count();
+        let others = kinds.iter().filter(|kind| *kind != injected && count(kind) > 0);
+        let others: Vec<_> = others.map(|kind| format!("{kind} {}", count(kind))).collect();
+        let others = match others.is_empty() {
+            true => String::new(),
+            false => format!(" ({})", others.join(", ")),
+        };
+        (!own.is_empty()).then(|| format!("{injected} {}/{}{others}", count(injected), own.len()))
+    };
+    let all: Vec<_> = kinds.iter().filter_map(of_kind).collect();
+    format!("Injected, named/runs (named as well): {}.", all.join("; "))
 }
 
 #[test]

@@ -222,38 +222,45 @@ fn outcome(way: Way, machines: u64) -> Outcome {
     outcome
 }
 
-/// The rows of the table, by way, kind and power.
+/// The rows of the table, by way: slips that were named, and that were silent by kind, and with power.
 fn table(outcomes: &[(Way, Outcome)]) -> String {
-    let mut text = "| measured | slip | power | slips | named | other finding | silent | … with the sentence |\n| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |\n".to_string();
+    let kinds = KINDS.join(" | silent: ");
+    let columns = " ---: |".repeat(KINDS.len() + 4);
+    let mut text = format!(
+        "| slips | named | silent: {kinds} | silent, power ≥ 95 % | right readings accused | … with the sentence |\n| --- |{columns}"
+    );
     for (way, outcome) in outcomes {
-        for (kind, by_power) in KINDS.iter().zip(&outcome.by_kind) {
-            for (power, count) in ["≥ 95 %", "< 95 %"].iter().zip(by_power) {
-                let Count { slips, named, otherwise, silent, warned, .. } = count;
-                if *slips > 0 {
-                    let counts = format!("{slips} | {named} | {otherwise} | {silent} | {warned}");
-                    writeln!(text, "| {} | {kind} | {power} | {counts} |", way.name).unwrap();
-                }
-            }
-        }
+        let Outcome { right, accused, carrying, by_kind, .. } = outcome;
+        let of = |counts: &[Count], which: fn(&Count) -> usize| {
+            let (some, all): (usize, usize) =
+                (counts.iter().map(which).sum(), counts.iter().map(|count| count.slips).sum());
+            format!("{some}/{all}")
+        };
+        let named = of(by_kind.as_flattened(), |count| count.named);
+        let silent = by_kind.each_ref().map(|by_power| of(by_power, |count| count.silent));
+        let sure = of(&by_kind.map(|[sure, _]| sure), |count| count.silent);
+        let cells = [named, silent.join(" | "), sure].join(" | ");
+        let right = format!("{accused}/{right} | {carrying}/{right}");
+        write!(text, "\n| {} | {cells} | {right} |", way.name).unwrap();
     }
     text
 }
 
-/// What is said of readings that are right.
-fn right_table(outcomes: &[(Way, Outcome)], even: &[(Wavy, usize, u64)]) -> String {
-    let mut text = "\n| right readings | machines | accused of a slip | carry the sentence |\n| --- | ---: | ---: | ---: |\n".to_string();
-    for (way, outcome) in outcomes {
-        let Outcome { right, accused, carrying, .. } = outcome;
-        writeln!(text, "| {} | {right} | {accused} | {carrying} |", way.name).unwrap();
-    }
-    for (wavy, accused, machines) in even {
-        let how = match wavy.even {
-            [] => format!("waves {} times as large", wavy.size),
-            even => format!("{} without waves", even.join(" and ")),
-        };
-        writeln!(text, "| {}, {how} | {machines} | {accused} | – |", WAYS[0].name).unwrap();
-    }
-    text
+/// What is said of silent slips, and of right readings of other machines.
+fn told(outcomes: &[(Way, Outcome)], even: &[(Wavy, usize, u64)]) -> String {
+    let all = || outcomes.iter().flat_map(|(_, outcome)| outcome.by_kind.as_flattened());
+    let silent: usize = all().map(|count| count.silent).sum();
+    let warned: usize = all().map(|count| count.warned).sum();
+    let accused = even.iter().map(|(wavy, accused, _)| match wavy.even {
+        [] => format!("waves ×{}: {accused}", wavy.size),
+        even => format!("{} without waves: {accused}", even.join(" and ")),
+    });
+    let (accused, machines): (Vec<_>, u64) = (accused.collect(), share(EVEN_MACHINES, 10));
+    format!(
+        "\n\nOf {silent} silent slips {warned} carry the sentence. Right readings, {}, accused of {machines}: {}.",
+        WAYS[0].name,
+        accused.join("; ")
+    )
 }
 
 /// How many machines with smaller waves are accused.
@@ -285,7 +292,7 @@ fn at_most(count: usize, all: usize, percent: f64, what: &str) {
 fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
     let outcomes = in_parallel(WAYS, |way| (way, outcome(way, share(MACHINES, 4))));
     let even = even_machines(WAYS[0]);
-    let page = table(&outcomes) + &right_table(&outcomes, &even);
+    let page = table(&outcomes) + &told(&outcomes, &even);
     println!("{page}");
     for (way, outcome) in &outcomes {
         let (name, silent) = (way.name, outcome.silent());

@@ -177,7 +177,7 @@ pub(crate) fn why_not(tenths: u16) -> &'static str {
         510 => "let the CAM system write the scaled path",
         61 | 431..=435 => "path modes and compensation of several axes are not executed",
         700 | 710 => "write G20 for inches, G21 for millimetres",
-        _ => "docs/path.md lists the words that are executed",
+        _ => "docs/volume.md lists the words that are executed",
     }
 }
 

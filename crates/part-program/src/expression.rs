@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Brackets inside each other.
 const DEEPEST: usize = 32;
-const HELP: &str = "docs/path.md lists the expressions that are executed";
+const HELP: &str = "docs/volume.md lists the expressions that are executed";
 
 type Value = Result<f64, Wrong>;
 

@@ -16,7 +16,7 @@ use crate::run::{Mark, Text, without_mark};
 use crate::wrong::{Refused, Wrong, refuse};
 use std::collections::BTreeMap;
 
-const FLOW: &str = "docs/path.md lists the conditions and loops that are executed";
+const FLOW: &str = "docs/volume.md lists the conditions and loops that are executed";
 
 /// A place of the text that lines go to, by its word and number: `O1` of a program, `N1`, `DO1`, `END1`.
 pub(crate) type Label = (&'static str, u32);

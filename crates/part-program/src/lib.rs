@@ -8,7 +8,7 @@
 //! Every word is executed, known to be without effect on the path, or **refused with its place**:
 //! nothing is ignored. A program is read line by line, so memory does not grow with it.
 //!
-//! The language is that of Fanuc-like controls (ISO 6983); docs/path.md lists the words, and what
+//! The language is that of Fanuc-like controls (ISO 6983); docs/volume.md lists the words, and what
 //! a control may do differently.
 
 #![doc = include_str!("../README.md")]

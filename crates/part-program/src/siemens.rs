@@ -14,7 +14,7 @@ const MOST_ARGUMENTS: usize = 40;
 const TOLERANCE: &str = "CYCLE832";
 /// Calls that only show something, and that one.
 const SHOWS: [&str; 5] = ["MSG", "WORKPIECE", "GROUP_BEGIN", "GROUP_END", TOLERANCE];
-const HELP: &str = "docs/path.md lists the words of Siemens programs that are executed";
+const HELP: &str = "docs/volume.md lists the words of Siemens programs that are executed";
 
 impl Lexer<'_> {
     /// Puts a word with what belongs to it into a block.

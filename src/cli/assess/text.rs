@@ -150,7 +150,7 @@ fn figures(page: &Page) -> String {
 }
 
 /// What the numbers of the papers mean, as far as the texts name themselves.
-const PAPERS: &str = "  paper 002: Defining and computing machine tool accuracy, University of Huddersfield; 000 and 001: docs/volumetric.md";
+const PAPERS: &str = "  paper 002: Defining and computing machine tool accuracy, University of Huddersfield; 000 and 001: docs/volume.md";
 
 /// Name, value and meaning of every figure.
 fn rows(d: &Definitions) -> Vec<[String; 3]> {

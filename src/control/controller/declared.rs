@@ -1,5 +1,5 @@
 //! A control whose profile declares how its file is written and read back: the switches by which tables of
-//! controls differ, each a fact of its own (docs/declared.md).
+//! controls differ, each a fact of its own (docs/own-control.md).
 //!
 //! ```text
 //!   what a number is    value_form, own_sign, cross_sign, value_size, value_decimals, largest_value

@@ -64,7 +64,7 @@ pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {
 };
 
 words! {
-    /// Form of the straightness compensation (docs/fanuc.md §2.1, §2.2).
+    /// Form of the straightness compensation (docs/fanuc.md §2.4, §2.5).
     pub enum StraightnessForm {
         /// Three straight pieces through four points.
         FourPoint = "four-point",

@@ -98,7 +98,7 @@ impl Templates<'_> {
             section.problem(
                 "template",
                 format!("there is no template `{}`", shown(&name)),
-                "put it beside the profile, or name a built-in one (docs/templates.md)",
+                "put it beside the profile, or name a built-in one (docs/own-control.md §3)",
             );
         }
         Some(Template { name, text: text? })
@@ -188,7 +188,7 @@ fn loaded(section: &Section<'_>, key: &'static str, role: Option<Role>) -> Optio
         section.problem(
             key,
             "`loaded` belongs to files of the role `report`",
-            "leave it out; docs/templates.md says what each role means",
+            "leave it out; docs/own-control.md §3 says what each role means",
         );
     }
     section.flag(key)

@@ -1,4 +1,4 @@
-//! How a control is told to move: facts of its part programs (docs/program.md).
+//! How a control is told to move: facts of its part programs (docs/measuring.md).
 
 use crate::control::controller::fact::{ControlUnit, Fact, Facts, Statement};
 use crate::control::controller::family::LanguageFacts;

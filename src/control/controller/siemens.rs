@@ -41,7 +41,7 @@ pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {
         "basic frames and DRF offset",
         "no rotation, scaling or mirroring; DRF off",
         "increments follow a rotated, scaled or mirrored frame",
-        "docs/program.md §3",
+        "docs/measuring.md §3",
     ]],
 };
 

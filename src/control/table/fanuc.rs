@@ -1,4 +1,4 @@
-//! Fanuc memory: numbered parameters and numbered points (docs/fanuc.md §1, §3).
+//! Fanuc memory: numbered parameters and numbered points (docs/fanuc.md §2.1, §3.2).
 //!
 //! Point numbers stand here without the offset of the file (+10000).
 

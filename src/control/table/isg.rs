@@ -1,4 +1,4 @@
-//! ISG kernel (TwinCAT CNC): the parameters of a volumetric compensation (docs/isg.md §1).
+//! ISG kernel (TwinCAT CNC): the parameters of a volumetric compensation (docs/isg.md §3).
 //!
 //! Positions and deviations in mm, angles in rad, as in the files.
 

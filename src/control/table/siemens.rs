@@ -1,5 +1,5 @@
 //! Siemens tables: `$AA_ENC_COMP` (one axis corrects itself) and `$AN_CEC` (one axis corrects
-//! another, or itself depending on direction). docs/siemens.md §1.1, §2.1.
+//! another, or itself depending on direction). docs/siemens.md §2.1, §2.2.
 //!
 //! Positions and values are in the control's basic unit (mm or inch), as in the file.
 

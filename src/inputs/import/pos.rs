@@ -6,7 +6,7 @@
 //!   Position  LasRead  LinearError  Status  AirTemp  AirPress  MatTemp …   ← what was measured
 //!   API Linear Error Compensation Table …                                 ← averages: not read
 //! ```
-//! `LinearError` is measured − target. docs/import.md §6 names the sources.
+//! `LinearError` is measured − target. docs/measuring.md §6 names the sources.
 
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;

@@ -6,7 +6,7 @@
 //!   DEVIATIONS::   run  target  deviation (µm)
 //! ```
 //! A deviation belongs to the target whose number stands in its line; the order of the lines means
-//! nothing. docs/import.md §2 names the sources.
+//! nothing. docs/measuring.md §6 names the sources.
 
 use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::encoding::{Measurement, text_of};

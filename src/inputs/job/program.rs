@@ -1,4 +1,4 @@
-//! `[program]`: the part programs of a measuring run (contract §2.3, docs/program.md).
+//! `[program]`: the part programs of a measuring run (contract §2.5, docs/measuring.md).
 
 use crate::inputs::job::diagonals::{DiagonalMeasurement, Frame, Reflector, SetUp, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};

@@ -6,7 +6,7 @@ use crate::judge::causes::change::{Corrected, Question, Slip};
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, PerTerm};
 
 /// A kind of cause: its place among causes that the data cannot tell apart (what happens often stands first); its
-/// word in docs/verify.md; what happened to what it concerns, and what it usually comes from.
+/// word in docs/visit.md §7; what happened to what it concerns, and what it usually comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kind(pub(super) u8, pub(super) &'static str, &'static str);
 

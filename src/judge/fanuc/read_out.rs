@@ -11,7 +11,7 @@ use crate::quantity::{Axis, PerAxis};
 use crate::read::fanuc::{merge, read_out};
 use crate::text::Problems;
 
-/// Functions whose parameters at 0 do nothing (docs/fanuc.md §1.1, §2).
+/// Functions whose parameters at 0 do nothing (docs/fanuc.md §2.1, §2.4).
 const IDLE_AT_ZERO: [(u32, u32); 5] =
     [(3666, 3671), (3676, 3677), (5861, 5874), (10800, 10814), (14985, 14988)];
 

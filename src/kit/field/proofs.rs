@@ -97,7 +97,7 @@ fn shows_otherwise(why: &str) -> Problems {
     Problem::new(format!(
         "the files of the sign proof do not do what was meant, so nothing is written: {why}"
     ))
-    .help("a template of your own has to keep to the format of the dialect (docs/templates.md)")
+    .help("a template of your own has to keep to the format of the dialect (docs/own-control.md §3)")
     .into()
 }
 
@@ -242,7 +242,7 @@ fn as_known(made: &Made<'_>, shown: &Shown) -> &'static str {
 
 fn other_way_round(shown: &Shown) -> String {
     format!(
-        "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/controllers.md section 4) and generate again; nothing: see the preconditions, options and reference",
+        "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/own-control.md section 4) and generate again; nothing: see the preconditions, options and reference",
         shown.proof.of.sign_fact
     )
 }

@@ -288,7 +288,7 @@ fn no_run(job: &Job) -> Problem {
         None => "measurement",
     };
     job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md); `nonius new … --readings` writes them")
+        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/measuring.md); `nonius new … --readings` writes them")
 }
 
 /// The forecast of the error table that `separate` would write, as if no table were loaded.

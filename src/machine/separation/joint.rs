@@ -9,7 +9,7 @@
 //!                of a laser with a serial number;  u: all else
 //!   diagonals    as measured: max over pairs of nodes of |difference| + 1.645 u(difference) of the readings
 //! ```
-//! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §23). The nine errors together
+//! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §22). The nine errors together
 //! are the readings of the diagonals: what an unmeasured angle does to each of them cancels there.
 
 mod outlook;

@@ -1,4 +1,4 @@
-//! A Fanuc control, loaded with parameters and points (docs/fanuc.md §5).
+//! A Fanuc control, loaded with parameters and points (docs/fanuc.md §2).
 //!
 //! ```text
 //!   memory ─┐  refuse what is not emulated
@@ -34,11 +34,11 @@ const ZMI: u8 = 0b0010_0000;
 /// `state` are named by controlled-axis number (`1`, `2`, …). 3605 counts where the kit
 /// writes it, else the state of the axis does. A missing point or parameter is refused: the
 /// control would keep its old content. Magnification 0 is no compensation. The backlash parameter (1851/1852)
-/// moves an axis further after a reversal (docs/fanuc.md §5.3).
+/// moves an axis further after a reversal (docs/fanuc.md §2.3).
 ///
 /// unit   corrections in µm, positions in mm of the machine
 /// sign   correction = what the axis moves further in +
-/// source docs/fanuc.md §5.2 to §5.5 (B-63980EN/01 p. 100; A-77810E/02; B-63522EN/02 §15.5)
+/// source docs/fanuc.md §2.2, §2.5 (B-63980EN/01 p. 100; A-77810E/02; B-63522EN/02 §15.5)
 /// limits after reference return; no rotary axes, inclination, total values or 3-D compensation
 pub(super) fn control(
     memory: &FanucMemory,

@@ -1,4 +1,4 @@
-//! The HAL file of a kit, which corrects joints by the positions of others, in the form of docs/linuxcnc.md §6.
+//! The HAL file of a kit, which corrects joints by the positions of others, in the form of docs/linuxcnc.md §3.
 //!
 //! ```text
 //!   net … lincurve.N.in, lincurve.N.out ──→ base and output of each curve ──→ all lines, in their order

@@ -119,7 +119,7 @@ pub(in crate::read) fn without_comments(line: &str) -> Option<String> {
 
 /// What is wrong with a part of a program.
 pub(in crate::read) fn refuse(span: Range<usize>, message: impl Into<String>) -> Complaint {
-    let help = "a template of your own may lay out the words, not add others (docs/program.md)";
+    let help = "a template of your own may lay out the words, not add others (docs/measuring.md)";
     Complaint::new(span, message, help)
 }
 

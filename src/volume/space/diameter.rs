@@ -42,7 +42,7 @@ pub struct Diameter {
 /// The largest difference of two error vectors of the whole grid.
 ///
 /// what   max over all pairs of |e_p − e_q| (paper 002, section 4.1), µm
-/// source branch and bound over directions, docs/volumetric.md
+/// source branch and bound over directions, docs/volume.md §6
 /// limits exact: the largest of all squares as [`super::pair::square`] computes them; of several
 ///        pairs with the same square the one with the smallest numbers
 pub fn diameter(map: &GridMap) -> Diameter {

@@ -138,7 +138,7 @@ fn no_layout(name: &str, template: &str, wrong: Wrong) -> Problem {
     let place = Place::in_text(name, template, wrong.span.start, wrong.span.end);
     Problem::new(format!("template `{name}` is refused: {}", wrong.message))
         .at(place)
-        .help("a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/templates.md §1)")
+        .help("a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/own-control.md §3)")
 }
 
 /// A problem of a template at its place in the template.

@@ -1,5 +1,5 @@
 //! Cross terms into a HAL file: curves of the positions of joints, added to the commands of others and taken out
-//! of their feedback (docs/linuxcnc.md §6).
+//! of their feedback (docs/linuxcnc.md §3).
 //!
 //! ```text
 //!   joint.0.pos-cmd ─→ lincurve ─┐
@@ -217,7 +217,7 @@ impl Netlist {
 }
 
 /// Where these facts were seen.
-const SEEN: &str = "LinuxCNC 2.9.0~pre1, seen: docs/linuxcnc.md §6";
+const SEEN: &str = "LinuxCNC 2.9.0~pre1, seen: docs/linuxcnc.md §1, §3";
 
 /// What has to be so around the HAL file.
 pub(super) fn preconditions() -> [Precondition; 4] {

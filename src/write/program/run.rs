@@ -191,7 +191,7 @@ impl<'a> RunTask<'a> {
 
 fn no_section(job: &Job) -> Problem {
     job.problem_at("program", "the job has no section [program], so there is no run to write programs for")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/program.md); `nonius new … --readings` writes one")
+        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/measuring.md); `nonius new … --readings` writes one")
 }
 
 fn no_language(job: &Job, profile: &Profile) -> Problem {

@@ -1,5 +1,5 @@
 //! What a control and a reader could understand differently, in kits without manifest: a value that the
-//! reader takes must be one that the control gets; then what no job asks for. Sources: docs/siemens.md §3.3, docs/fanuc.md §3.4.
+//! reader takes must be one that the control gets; then what no job asks for. Sources: docs/siemens.md §3.3, docs/fanuc.md §3.3.
 
 use super::*;
 

@@ -115,7 +115,7 @@ impl Case {
             programs: vec![path(&self.machine, self.stops, unit_mm)],
             ..Setup::default()
         });
-        // Which it says of every curve above the 64th (docs/linuxcnc.md §6).
+        // Which it says of every curve above the 64th (docs/linuxcnc.md §3).
         let in_order = |line: &str| line.contains("assigned personality=16");
         assert!(seen.messages.lines().all(in_order), "{}", seen.messages);
         let in_mm = |cycle: &Cycle| cycle.map(|joint| joint.times(unit_mm));

@@ -9,7 +9,7 @@ pub(crate) enum Expected {
     Same,
     /// Refused with these words.
     Refused(&'static str),
-    /// Runs; the box is apart by this, for a reason that docs/path.md §4 states.
+    /// Runs; the box is apart by this, for a reason that docs/volume.md §10 states.
     Apart(&'static str),
 }
 use Expected::{Apart, Refused, Same};

@@ -144,17 +144,17 @@ impl<'a> Loading<'a> {
     }
 }
 
-/// Pitch parameters, one for each axis (docs/fanuc.md §1.1).
+/// Pitch parameters, one for each axis (docs/fanuc.md §2.1).
 const AXIS_TYPE: [u32; 9] = [3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627];
 
-/// Straightness parameters, of the path (docs/fanuc.md §2.1).
+/// Straightness parameters, of the path (docs/fanuc.md §2.4).
 const NO_AXIS: [(u32, u32); 1] = [(5711, 5788)];
 
 fn is_in(ranges: &[(u32, u32)], number: u32) -> bool {
     ranges.iter().any(|(a, b)| (*a..=*b).contains(&number))
 }
 
-/// Why the emulation would be wrong if it ignored them, and first and last number (docs/fanuc.md §5.6).
+/// Why the emulation would be wrong if it ignored them, and first and last number (docs/fanuc.md §3.3).
 const OTHERS: [(&str, &[(u32, u32)]); 6] = [
     ("the reference position is taken from the job, a kit must not change it", &[(1240, 1240)]),
     ("the backlash is taken from the job, a kit must not change it", &[(1851, 1852)]),
@@ -164,7 +164,7 @@ const OTHERS: [(&str, &[(u32, u32)]); 6] = [
     ("cyclic second pitch compensation is not emulated", &[(14985, 14988)]),
 ];
 
-/// Parameter, bits that must be 0, and what they would mean (docs/fanuc.md §1.1).
+/// Parameter, bits that must be 0, and what they would mean (docs/fanuc.md §2.1).
 const OTHER_BITS: [(u32, u8, &str); 3] = [
     (3602, 1, "pitch data as total values (bit 0) are not emulated"),
     (3605, 0b1100, "arbitrary-pitch and cyclic second compensation (bits 2, 3) are not emulated"),

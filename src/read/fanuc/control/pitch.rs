@@ -1,4 +1,4 @@
-//! Stored pitch error compensation of one axis (docs/fanuc.md §5.2, §5.3; B-63980EN/01 p. 100).
+//! Stored pitch error compensation of one axis (docs/fanuc.md §2.2, §2.3; B-63980EN/01 p. 100).
 //!
 //! ```text
 //!   point          Nmin     …     N0      N0+1     …     Nmax
@@ -80,7 +80,7 @@ impl Grid {
     }
 }
 
-/// 3620, 3621, 3622 in the order that the control requires (docs/fanuc.md §1.1).
+/// 3620, 3621, 3622 in the order that the control requires (docs/fanuc.md §2.1).
 fn point_numbers(from: Loading, axis: u32) -> Emulated<[u32; 3]> {
     let read = |number| from.count(number, Some(axis), u32::MAX);
     let (reference, first, last) = (read(3620)?, read(3621)?, read(3622)?);
@@ -144,7 +144,7 @@ pub(super) fn lies_in(run: NumberRange, blocks: &[NumberRange]) -> bool {
 ///   S(n) = Σ v(N0+1 … N0+n), n ≥ 0;  S(n) = −Σ v(N0+n+1 … N0), n < 0
 ///
 /// unit   as the increments
-/// source docs/fanuc.md §5.2; the figure of B-64303CM-1/01 §1.3.1 fits no other sign
+/// source docs/fanuc.md §2.2; the figure of B-64303CM-1/01 §1.3.1 fits no other sign
 pub(super) fn node_sums(increments: &[i32], zero_node: u32) -> Vec<f64> {
     let mut sum = 0.0;
     let mut sums = vec![sum];

@@ -1,4 +1,4 @@
-//! Straightness compensation: while one axis moves, another is shifted (docs/fanuc.md §5.4, §5.5).
+//! Straightness compensation: while one axis moves, another is shifted (docs/fanuc.md §2.4, §2.5).
 //!
 //! ```text
 //!   four-point   amounts at the moving axis' points a, b, c, d; straight between, held outside
@@ -147,7 +147,7 @@ impl Set<'_> {
         sign.correction(units * unit_um)
     }
 
-    /// Rounded to whole units at every point, relative to the reference (docs/fanuc.md §5.4).
+    /// Rounded to whole units at every point, relative to the reference (docs/fanuc.md §2.4).
     fn four_points(self, grid: &Grid, unit_um: f64) -> Emulated<NodeTable> {
         let knots = self.knots(grid)?;
         let at_reference = amount_at(&knots, f64::from(grid.reference_point));
@@ -185,7 +185,7 @@ impl Set<'_> {
         Ok(knots)
     }
 
-    /// One increment for each pitch point of the moving axis (docs/fanuc.md §5.5). Its interpolated
+    /// One increment for each pitch point of the moving axis (docs/fanuc.md §2.5). Its interpolated
     /// form is a function of its own whose switch is not known, so the step form is taken.
     fn per_point(self, grid: &Grid, unit_um: f64, runs: &mut Vec<Run>) -> Emulated<NodeTable> {
         let facts = self.from.facts;
@@ -219,7 +219,7 @@ struct Knot {
 /// W(p): straight lines through the knots, the end values held outside.
 ///
 /// source B-63522EN/02 §15.5; its slope (β−α)/(a−b) is a misprint for (β−α)/(b−a)
-///        (docs/fanuc.md §2.1)
+///        (docs/fanuc.md §2.4)
 fn amount_at(knots: &[Knot; 4], point: f64) -> f64 {
     let [first, .., last] = knots;
     if point <= f64::from(first.point) {

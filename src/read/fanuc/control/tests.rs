@@ -13,7 +13,7 @@ use Direction::{Minus, Plus};
 
 /// Pitch example of B-63980EN/01 p. 100, one number for each section from 33 to 49.
 const S1: [i32; 17] = [2, 1, 1, -2, 0, -1, 0, -1, 2, 1, 0, -1, -1, -2, 0, 1, 2];
-/// The two tables of the constructed bidirectional example (docs/fanuc.md §6.3).
+/// The two tables of the constructed bidirectional example.
 const PLUS: [i32; 8] = [-1, 1, 1, 2, 1, 0, -1, -2];
 const MINUS: [i32; 8] = [-1, 0, 2, 1, 1, 1, -1, -2];
 
@@ -62,7 +62,7 @@ fn bidirectional() -> Vec<String> {
     blocks
 }
 
-/// Four-point set 1: axis 1 moves, axis 2 is shifted (docs/fanuc.md §6.4), without pitch data.
+/// Four-point set 1: axis 1 moves, axis 2 is shifted, without pitch data.
 fn four_point() -> Vec<String> {
     let mut blocks = replaced(&grid([60, 0, 127], "10.0"), "N03623", "N03623Q1A1P0");
     blocks.extend(["N05711Q1P1", "N05721Q1P2"].map(String::from));
@@ -112,7 +112,7 @@ fn close(found: f64, expected: f64, what: impl std::fmt::Debug) {
     assert!((found - expected).abs() < 1e-9, "{what:?}: {found}, expected {expected}");
 }
 
-/// docs/fanuc.md §6.1: sums at all nodes, steps in the middle of the sections, held ends.
+/// B-63980EN/01 p. 100: sums at all nodes, steps in the middle of the sections, held ends.
 #[test]
 fn manual_example_in_step_form() {
     let control = control(&s1());
@@ -131,7 +131,7 @@ fn manual_example_in_step_form() {
     assert_eq!(control.connected_axes(), [("1".to_string(), "1".to_string())]);
 }
 
-/// docs/fanuc.md §6.1, interpolated: single pulses, within half a unit of the straight line.
+/// B-63980EN/01 p. 100, interpolated: single pulses, within half a unit of the straight line.
 #[test]
 fn manual_example_in_interpolated_form() {
     let mut blocks = s1();
@@ -146,7 +146,7 @@ fn manual_example_in_interpolated_form() {
     close(pitch(&control, Plus, 300.0), -1.0, "a node");
 }
 
-/// docs/fanuc.md §6.2, figure of B-64303CM-1/01 §1.3.1: the minus side is subtracted.
+/// docs/fanuc.md §4.2, figure of B-64303CM-1/01 §1.3.1: the minus side is subtracted.
 #[test]
 fn figure_of_the_0i_d() {
     let control =
@@ -156,7 +156,7 @@ fn figure_of_the_0i_d() {
     }
 }
 
-/// docs/fanuc.md §6.3: both directions; the reversal at the reference is 3627.
+/// Both directions; the reversal at the reference is 3627.
 #[test]
 fn bidirectional_example() {
     let control = control(&bidirectional());
@@ -170,7 +170,7 @@ fn bidirectional_example() {
     close(pitch(&control, Minus, 0.0) - pitch(&control, Plus, 0.0), -4.0, "reversal");
 }
 
-/// docs/fanuc.md §5.3: with a reference return in −, 3627 and backlash belong to travel in +.
+/// docs/fanuc.md §2.3: with a reference return in −, 3627 and backlash belong to travel in +.
 #[test]
 fn return_in_minus_swaps_the_roles() {
     let mut state = state();
@@ -261,7 +261,7 @@ fn interval_in_every_unit_and_form() {
     close(first.mm(), 100.0 - 8.0 * 50.8, "first node");
 }
 
-/// docs/fanuc.md §6.4: rounded half away from zero at each point, held outside.
+/// Rounded half away from zero at each point, held outside.
 #[test]
 fn four_point_straightness_example() {
     let mut state = state();
@@ -277,7 +277,7 @@ fn four_point_straightness_example() {
     assert_eq!(control.connected_axes(), [("1".to_string(), "2".to_string())]);
 }
 
-/// docs/fanuc.md §5.4: amounts count from the reference, and two sets of one pair add.
+/// docs/fanuc.md §2.4: amounts count from the reference, and two sets of one pair add.
 #[test]
 fn four_point_sets_are_relative_and_add() {
     let mut blocks = four_point();
@@ -291,7 +291,7 @@ fn four_point_sets_are_relative_and_add() {
     close(at(&control, ("1", "2"), Minus, -600.0), -5.0 - 3.0, "a");
 }
 
-/// docs/fanuc.md §5.5: like pitch data, on the grid of the moving axis, in units of the other.
+/// docs/fanuc.md §2.5: like pitch data, on the grid of the moving axis, in units of the other.
 #[test]
 fn per_point_straightness() {
     let mut state = state();
@@ -308,7 +308,7 @@ fn per_point_straightness() {
     assert!(control.connected_axes().is_empty(), "magnification 0");
 }
 
-/// docs/fanuc.md §6.5: differences of rounded totals leave at most half a unit; increments rounded
+/// Differences of rounded totals leave at most half a unit; increments rounded
 /// one by one end 1.1 µm off.
 #[test]
 fn quantisation_with_carry() {
