@@ -1,7 +1,7 @@
 //! Benchmarks of the main job; CONTRIBUTING.md has the figures and how to rerun them.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::control::controller::builtin;
+use nonius::control::controller::{Role, builtin};
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::kit::{Inputs, emulator, forecast, generate};
@@ -49,8 +49,12 @@ fn one_of_many(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one of many, 840D sl");
     let inputs = inputs(JOB, "siemens-840d-sl");
     group.bench_function("kit", |bencher| bencher.iter(|| generate(black_box(&inputs))));
+    let mut bare = inputs.clone();
+    bare.profile.files.retain(|file| file.role != Role::Checklist);
+    let name = "kit without its checklist";
+    group.bench_function(name, |bencher| bencher.iter(|| generate(black_box(&bare))));
     group.bench_function("forecast", |bencher| bencher.iter(|| forecast(black_box(&inputs))));
-    for words in ["generate job.toml -o kit", "generate job.toml -o kit --format json"] {
+    for words in ["generate job.toml -o kit", "generate job.toml -o kit --without-checklist --format json"] {
         group.bench_function(words, |bencher| {
             bencher.iter(|| {
                 let all = [("job.toml", JOB.as_bytes()), ("errors.csv", ERRORS.as_bytes())];

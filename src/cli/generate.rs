@@ -31,6 +31,9 @@ pub(super) struct Options {
     /// Write nothing: what `verify` will say of the kit, by its tables alone
     #[arg(long, conflicts_with_all = ["output", "compare"])]
     dry_run: bool,
+    /// For scripts that make many kits; whoever loads one needs its checklist
+    #[arg(long, conflicts_with_all = ["compare", "dry_run"])]
+    without_checklist: bool,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -49,7 +52,10 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         return options.plot.beside(outcome, options.output.force, |locale| page.picture(locale));
     }
     let directory = options.output.free_directory(files)?;
-    let inputs = inputs::read(files, &options.job)?;
+    let mut inputs = inputs::read(files, &options.job)?;
+    if options.without_checklist {
+        inputs.profile.files.retain(|file| file.role != Role::Checklist);
+    }
     let kit = generate(&inputs)?;
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let next_steps = next_steps(&options.job, directory, &inputs, &kit);

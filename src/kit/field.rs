@@ -45,6 +45,10 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let notes = missing.into_iter().chain(rollback.note().map(Finding::from)).collect();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
+    let sign_proofs = shown.iter().map(proofs::document).collect();
+    if !made.inputs.profile.files.iter().any(|file| file.role == Role::Checklist) {
+        return Ok(FieldKit { files, sign_proofs, notes });
+    }
     let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
     let (task, compiled) = (made.task(), &made.compiled);
     let lists = |list: List| match list {
@@ -66,7 +70,6 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         list: &lists,
     };
     let parts = parts(&task.profile.checklist, &facts);
-    let sign_proofs = shown.iter().map(proofs::document).collect();
     let misses = misses(made);
     let words = Words { head: head(made, &misses), parts, about: about(made, &misses) };
     files.extend(emit::render_checklist(task, &made.templates, compiled, &words)?);

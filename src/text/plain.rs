@@ -52,9 +52,15 @@ pub(crate) fn comment(text: &str) -> String {
     comment
 }
 
+/// Whether all is printable ASCII. Every byte is looked at, which takes less time than to stop at the first that is not.
+pub(crate) fn is_ascii_text(text: &str) -> bool {
+    text.bytes().fold(true, |all, byte| all & (b' '..=b'~').contains(&byte))
+}
+
 fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     let goes = |c: char| is_unseen(c) && !stays(c);
-    if !text.chars().any(goes) {
+    let mut parts = text.split_inclusive(' ');
+    if parts.all(|part| is_ascii_text(part) || !part.contains(goes)) {
         return Cow::Borrowed(text);
     }
     let seen = text.chars().map(|c| if goes(c) { INSTEAD } else { c });
@@ -98,17 +104,22 @@ const MARKS: [(&str, &str); 3] = [("**", "strong"), ("*", "em"), ("`", "code")];
 
 /// Text of people as text of a page or a drawing.
 pub(crate) fn escaped(text: &str) -> String {
-    const NAMES: [(char, &str); 5] =
-        [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;"), ('\'', "&#39;")];
     let text = line(text);
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match NAMES.iter().find(|(sign, _)| *sign == letter) {
-            Some((_, name)) => out.push_str(name),
-            None => out.push(letter),
-        }
+    let (mut out, mut rest) = (String::with_capacity(text.len()), &*text);
+    let name = |byte| match byte {
+        b'&' => "&amp;",
+        b'<' => "&lt;",
+        b'>' => "&gt;",
+        b'"' => "&quot;",
+        b'\'' => "&#39;",
+        _ => "",
+    };
+    while let Some(at) = rest.bytes().position(|byte| !name(byte).is_empty()) {
+        out.push_str(&rest[..at]);
+        out.push_str(name(rest.as_bytes()[at]));
+        rest = &rest[at + 1..];
     }
-    out
+    out + rest
 }
 
 /// A text of the checklist: escaped, its marks as elements, [`BLANK`] as a place to write on, [`BOX`] as one to tick.
@@ -118,7 +129,7 @@ pub(crate) fn marked(text: &str) -> String {
 
 fn elements(text: &str) -> String {
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);
-    while let Some(at) = rest.find(['*', '`', '_', '[']) {
+    while let Some(at) = rest.bytes().position(|byte| b"*`_[".contains(&byte)) {
         let (before, from) = rest.split_at(at);
         let (element, after) = element(from);
         out.push_str(before);

@@ -4,8 +4,8 @@
 use crate::quantity::{Figure, power_of_ten};
 use crate::text::is_unseen;
 use deunicode::deunicode_with_tofu;
-use serde::ser::{Serialize, SerializeStruct, Serializer};
 use std::borrow::Cow;
+use tera::Map;
 use tera::value::Key;
 
 // What templates see: texts, lists and names, as the template engine holds them. Made once, so that no other tree of
@@ -14,20 +14,9 @@ use tera::value::Key;
 /// A finished text, a list, or names with what they stand for.
 pub(crate) type Seen = tera::Value;
 
-/// Names in this order, as the engine itself keeps the fields of a struct: each is hashed once.
-struct Names<'a>(&'a [(&'static str, Seen)]);
-
-impl Serialize for Names<'_> {
-    fn serialize<S: Serializer>(&self, engine: S) -> Result<S::Ok, S::Error> {
-        let mut names = engine.serialize_struct("", self.0.len())?;
-        self.0.iter().try_for_each(|(name, own)| names.serialize_field(name, own))?;
-        names.end()
-    }
-}
-
 /// Names in this order.
-pub(crate) fn named(names: &[(&'static str, Seen)]) -> Seen {
-    Seen::try_from_serializable(&Names(names)).unwrap_or_else(|_| Seen::none()) // nothing in it fails
+pub(crate) fn named<const N: usize>(names: [(&'static str, Seen); N]) -> Seen {
+    names.into_iter().map(|(name, own)| (Key::Str(name), own)).collect::<Map>().into()
 }
 
 /// Names, and one more.
@@ -40,7 +29,7 @@ pub(crate) fn with(names: Seen, name: &'static str, own: Seen) -> Seen {
 /// `seen! { "name": text, … }`: names in this order, each with a text, a list of texts, or what is seen of something.
 macro_rules! seen {
     ($($name:literal: $own:expr),* $(,)?) => {
-        $crate::write::control_text::named(&[$(($name, $own.into())),*])
+        $crate::write::control_text::named([$(($name, $own.into())),*])
     };
 }
 
@@ -85,6 +74,9 @@ impl Instead<'_> {
     }
 }
 
+/// Before the digits of a small number.
+const ZEROS: &str = "0000000000000000";
+
 /// A number with a fixed number of decimals, never `-0`. Where it is the nearest to so many last digits, and they are
 /// far from all that it can tell apart, they are its text: nothing has to be searched.
 #[allow(clippy::cast_possible_truncation, reason = "a whole number of up to 15 digits")]
@@ -92,12 +84,16 @@ pub(crate) fn fixed(number: f64, decimals: u32) -> String {
     let (scale, places) = (power_of_ten(decimals), decimals as usize);
     let digits = (number * scale).round();
     let is_nearest = (digits / scale).to_bits() == (number + 0.0).to_bits();
-    if !(decimals > 0 && digits.abs() <= 1e15 && is_nearest) {
+    if !((1..16).contains(&decimals) && digits.abs() <= 1e15 && is_nearest) {
         return format!("{:.*}", places, Figure(number));
     }
-    let sign = if digits < 0.0 { "-" } else { "" };
-    let (digits, scale) = (digits.abs() as u64, scale as u64);
-    format!("{sign}{}.{:0places$}", digits / scale, digits % scale)
+    let (sign, digits) = (if digits < 0.0 { "-" } else { "" }, (digits.abs() as u64).to_string());
+    let zeros = &ZEROS[..(places + 1).saturating_sub(digits.len())];
+    let (whole, parts) = digits.split_at(digits.len().saturating_sub(places));
+    match zeros.split_at_checked(1) {
+        None => [sign, whole, ".", parts].concat(),
+        Some((first, others)) => [sign, first, ".", others, parts].concat(),
+    }
 }
 
 /// The same without trailing zeros.

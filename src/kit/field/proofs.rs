@@ -97,7 +97,9 @@ fn shows_otherwise(why: &str) -> Problems {
     Problem::new(format!(
         "the files of the sign proof do not do what was meant, so nothing is written: {why}"
     ))
-    .help("a template of your own has to keep to the format of the dialect (docs/own-control.md §3)")
+    .help(
+        "a template of your own has to keep to the format of the dialect (docs/own-control.md §3)",
+    )
     .into()
 }
 
