@@ -29,7 +29,7 @@ pub(super) struct Options {
     /// Travel of X, Y and Z, mm: a length from machine coordinate 0, or both ends, e.g. 800,500,-400:0; of
     /// inches each with `in`: 32in,20in,-16:0in
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
-        num_args = 1..=3, required_unless_present = "from", value_parser = ends)]
+        num_args = 1, required_unless_present = "from", value_parser = ends)]
     travel: Vec<(f64, f64)>,
     /// Readings of the four body diagonals, in place of an error table
     #[arg(long)]
