@@ -3,8 +3,8 @@
 use crate::cli::write::{self, Output, written};
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems};
 use crate::visit::files::{
-    Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
-    plain_words, printed, written_over,
+    Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, no_file, not_put_out, not_written,
+    printed, too_long, unreadable, written_over,
 };
 use indicatif::ProgressBar;
 use std::cell::RefCell;
@@ -72,13 +72,11 @@ impl Disk {
     /// Opens a regular file or a pipe, without waiting for somebody who writes into it.
     fn open(&self, path: &Path) -> Result<(File, Metadata), Problem> {
         let name = plain_name(path)?;
-        let refuse = |error: Error| {
-            Problem::new(format!("`{name}` cannot be read: {}", plain_words(&error)))
-        };
+        let what = format!("`{name}`");
+        let refuse = |error: Error| unreadable(&what, &error);
         let metadata = std::fs::metadata(path).map_err(refuse)?;
         if metadata.is_dir() {
-            return Err(Problem::new(format!("`{name}` is a directory, expected a file"))
-                .help("name a file in it"));
+            return Err(no_file(&what));
         }
         if !metadata.is_file() && !is_pipe(&metadata) {
             return Err(Problem::new(format!("`{name}` is no regular file")).help("name a file"));
@@ -306,31 +304,22 @@ fn open_pipe(path: &Path) -> std::io::Result<File> {
 /// it stands in a sentence.
 fn bounded(name: &str, length: u64, input: impl Read) -> Result<Vec<u8>, Problem> {
     let limit = LARGEST_FILE_MIB << 20;
-    let too_long = || {
-        Problem::new(format!(
-            "{name} holds more than {LARGEST_FILE_MIB} MiB, too much for an input"
-        ))
-    };
     if length > limit {
-        return Err(too_long());
+        return Err(too_long(name));
     }
     let expected = usize::try_from(length).unwrap_or(0);
     let mut bytes = Vec::with_capacity(expected + 1);
     let read = input.take(limit + 1).read_to_end(&mut bytes);
-    read.map_err(|error| {
-        let words = plain_words(&error);
-        Problem::new(format!("{name} cannot be read: {words}"))
-    })?;
+    read.map_err(|error| unreadable(name, &error))?;
     if bytes.len() as u64 > limit {
-        return Err(too_long());
+        return Err(too_long(name));
     }
     Ok(bytes)
 }
 
 /// What comes through a pipe, as a file without a name.
 fn spooled(name: &str, input: impl Read) -> Result<File, Problem> {
-    let refuse =
-        |error: Error| Problem::new(format!("{name} cannot be read: {}", plain_words(&error)));
+    let refuse = |error: Error| unreadable(name, &error);
     let mut file = tempfile::tempfile().map_err(refuse)?;
     let mut input = input.take(LARGEST_PIPE_BYTES + 1);
     if std::io::copy(&mut input, &mut file).map_err(refuse)? > LARGEST_PIPE_BYTES {

@@ -17,7 +17,7 @@ pub use crate::inputs::kind::{Component, Kind};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content};
 use crate::quantity::{AT_PLACE_MM, Axis, Direction, ErrorTerm, Figure, PerAxis};
-use crate::text::{Notes, Place, Problem, Problems, Source, plain};
+use crate::text::{Notes, Place, Problem, Problems, Source, joined, lines, plain};
 
 /// A checked error table.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl ErrorTable {
         let all_rows_read = notes.is_sound();
         let series = PerAxis::from_fn(|axis| series_of(axis, &table, &records));
         if all_rows_read {
-            refuse_single_positions(&table, &records, &series);
+            refuse_single_positions(&table, &series);
         }
         if table.lines.is_empty() {
             table.refuse(refusals::no_positions());
@@ -75,17 +75,12 @@ impl ErrorTable {
     /// The place of a row of a series.
     pub fn place(&self, series: &Series, row: usize) -> Option<Place> {
         let line = *series.lines.get(row)?;
-        let source = self.source_of(series)?;
-        let text = source.text.lines().nth(line - 1)?;
-        Some(Place { line, ..Place::in_text(&source.name, text, 0, text.len()) })
+        Some(lines(self.source_of(series)?).nth(line - 1)?.whole())
     }
 
     /// The file in which a series stands.
     fn source_of(&self, series: &Series) -> Option<&Source> {
-        match series.table.checked_sub(1) {
-            None => Some(&self.source),
-            Some(index) => self.more.get(index),
-        }
+        std::iter::once(&self.source).chain(&self.more).nth(series.table)
     }
 }
 
@@ -117,7 +112,12 @@ impl ErrorTable {
         };
         for other in tables {
             for axis in Axis::ALL {
-                whole.refuse_what_does_not_fit(axis, &other, &mut problems);
+                if let Some(new) = other.series[axis].first()
+                    && let Some(mut problem) = whole.misfit(axis, new, &other)
+                {
+                    problem.place = other.place(new, 0);
+                    problems.push(problem);
+                }
             }
             whole.add(other);
         }
@@ -137,21 +137,12 @@ impl ErrorTable {
         }
     }
 
-    fn refuse_what_does_not_fit(&self, axis: Axis, other: &ErrorTable, problems: &mut Problems) {
-        let new = other.series[axis].first();
-        let misfit = new.and_then(|new| Some((new, self.misfit(axis, new, other)?)));
-        if let Some((new, mut problem)) = misfit {
-            problem.place = other.place(new, 0);
-            problems.push(problem);
-        }
-    }
-
     /// What does not fit together.
     fn misfit(&self, axis: Axis, new: &Series, other: &ErrorTable) -> Option<Problem> {
         let known = &self.series[axis];
         if let Some(old) = known.iter().find(|old| !shared(old, new).is_empty()) {
             let one = self.source_of(old).map_or("", |source| &source.name);
-            let names = shared(old, new).join(", ");
+            let names = joined(shared(old, new));
             return Some(refusals::in_two_tables(names, one, &other.source.name));
         }
         let is_directed = |series: &Series| series.direction.is_some();
@@ -173,9 +164,9 @@ impl ErrorTable {
 }
 
 /// Components of an axis that both series hold, e.g. `EXX`.
-fn shared(old: &Series, new: &Series) -> Vec<String> {
+fn shared(old: &Series, new: &Series) -> Vec<Component> {
     let both = old.components().filter(|own| new.components().any(|other| other == *own));
-    both.map(|component| component.to_string()).collect()
+    both.collect()
 }
 
 // Writing an error table: rows in memory → the CSV of contract §2.1.

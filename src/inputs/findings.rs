@@ -2,7 +2,7 @@
 
 use crate::inputs::job::Frame;
 use crate::quantity::{Diagonal, Figure};
-use crate::text::findings;
+use crate::text::{findings, joined};
 
 findings! {
     /// What an error table or a file of readings says of itself, and what a job states for nothing.
@@ -13,13 +13,7 @@ findings! {
         OtherFrames { first: Frame, second: Frame } => Doubt, "the joined tables count from different frames ({} and {}): the slopes of their cross terms differ by a rotation that none of them measured; separate all axes from one measurement", first.word(), second.word();
         Simulated { words: String } => Note, "{words}";
         Said { words: String } => Note, "{words}";
-        Zeroed { zeros_um: Vec<(Diagonal, f64)> } => Note, "the laser was not zeroed at node 0: subtracted from all readings of {}", zeros(zeros_um);
+        Zeroed { zeros_um: Vec<(Diagonal, f64)> } => Note, "the laser was not zeroed at node 0: subtracted from all readings of {}", joined(zeros_um.iter().map(|(of, um)| format!("{of} {:.3} µm", Figure(*um))));
         NotUsed { key: &'static str } => Note, "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state";
     }
-}
-
-/// `PPP 12.500 µm, NPP -3.000 µm`.
-fn zeros(zeros_um: &[(Diagonal, f64)]) -> String {
-    let of = |(diagonal, um): &(Diagonal, f64)| format!("{diagonal} {:.3} µm", Figure(*um));
-    zeros_um.iter().map(of).collect::<Vec<_>>().join(", ")
 }

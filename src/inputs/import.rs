@@ -78,7 +78,7 @@ pub fn import(
     if let Some(options) = whole.beyond(stated) {
         match stated.yes {
             true => intake.say([ImportFinding::Understood { options }]),
-            false => intake.refuse(unconfirmed(&options, file, &whole)),
+            false => intake.notes.refuse(unconfirmed(&options, file, &whole)),
         }
     }
     let ((series, squareness), findings) = intake.end(contents)?;
@@ -104,7 +104,7 @@ fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         Format::Etalon => parameters::read_etalon(intake),
         Format::Isg => parameters::read_isg(intake),
         Format::Columns => columns::read(intake),
-        Format::List => intake.refused(refusals::list_without_form()),
+        Format::List => intake.notes.refused(refusals::list_without_form()),
     }
 }
 

@@ -14,6 +14,7 @@ pub use self::compensation::{
     AxisSettings, BacklashPolicy, Compensation, GridRequest, OutsideMeasured, UseOf, WantedTerms,
 };
 pub(crate) use self::compensation::{one_for_all, policies_as_stated};
+pub(crate) use self::diagonals::TEMPERATURES_C;
 pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Linear, LinearSlope, Material, Reflector, SetUp,
 };
@@ -113,11 +114,6 @@ impl Job {
         Ok(Job { source, ..job })
     }
 
-    /// A problem that is made already, at a key of the job.
-    pub(crate) fn at(&self, path: &str, problem: Problem) -> Problem {
-        self.source.at(path, problem)
-    }
-
     /// A problem at a key of the job, by its dotted path.
     pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
@@ -149,7 +145,7 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     let machine = root.sub("machine", Machine::read);
     let axes = machine.as_ref().map(|machine| machine.axes).unwrap_or_default();
     let measurement = root.sub("measurement", |s| Measurement::read(s, &axes));
-    if use_of.needs_control() {
+    if matches!(use_of, UseOf::Tables | UseOf::Programs) {
         root.required_section("compensation");
     }
     let program = root.sub("program", |s| ProgramRequest::read(s, measurement.as_ref()));
@@ -171,7 +167,7 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
 
 /// A table in place of the job would be refused line by line.
 fn refuse_table(source: &Source) -> Result<(), Problem> {
-    let head = head(&source.text).to_ascii_lowercase();
+    let head = head(&source.text, "#").to_ascii_lowercase();
     if head.contains(['=', '[']) || !head.contains([',', ';', '\t']) {
         return Ok(());
     }

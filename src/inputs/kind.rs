@@ -16,9 +16,9 @@ pub enum FileKind {
     Table,
 }
 
-/// The first line of a text that is neither empty nor a comment: a key or a section, or the names of columns.
-pub(super) fn head(text: &str) -> &str {
-    let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
+/// The first line of a text that is neither empty nor begins as a comment does: a key or a section, or the names of columns.
+pub(super) fn head<'a>(text: &'a str, comment: &str) -> &'a str {
+    let is_content = |line: &&str| !line.is_empty() && !line.starts_with(comment);
     text.lines().map(str::trim).find(is_content).unwrap_or_default()
 }
 
@@ -32,7 +32,7 @@ impl FileKind {
     /// By the ending of the name, else by the first line of content.
     pub fn of(name: &str, bytes: &[u8]) -> FileKind {
         let text = String::from_utf8_lossy(bytes);
-        let head = head(text.trim_start_matches('\u{feff}'));
+        let head = head(text.trim_start_matches('\u{feff}'), "#");
         let name = name.to_ascii_lowercase();
         let is_key = |c: char| c.is_ascii_alphanumeric() || "_-.\" ".contains(c);
         let key = head.split_once('=').map(|(key, _)| key);
@@ -52,12 +52,9 @@ impl FileKind {
 
     /// In words.
     pub const fn words(self) -> &'static str {
-        match self {
-            FileKind::Job => "a job",
-            FileKind::Rtl => "an `.rtl` file",
-            FileKind::Readings => "readings of the body diagonals",
-            FileKind::Table => "a table of runs",
-        }
+        let words =
+            ["a job", "an `.rtl` file", "readings of the body diagonals", "a table of runs"];
+        words[self as usize]
     }
 }
 

@@ -12,13 +12,11 @@ mod values;
 
 use crate::inputs::error_table::Remarks;
 use crate::inputs::findings::Remark;
-use crate::inputs::job::{DiagonalMeasurement, Material};
+use crate::inputs::job::DiagonalMeasurement;
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, LENGTHS, Row as Cells, Table, count, named};
 use crate::inputs::target_runs::Values;
-use crate::quantity::{
-    Axis, Diagonal, Direction, Millimetres, Pass, PathKind, PerAxis, Run, Volume,
-};
+use crate::quantity::{Axis, Diagonal, Millimetres, Pass, PathKind, PerAxis, Run, Volume};
 use crate::text::{Finding, Line, Notes, Problems, Source};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -40,9 +38,7 @@ impl Readings {
     /// Reads a file and checks it against what the job says of the measurement; all problems of
     /// the file are given at once.
     pub fn read(source: Source, measurement: &DiagonalMeasurement) -> Result<Readings, Problems> {
-        let path = |_: &Table<'_>, _: &[Row<'_>]| Ok(Path::of(measurement));
-        let ((runs, own_zero, zeros_um), _) = runs_of(&source, path)?;
-        Ok(Readings { source, runs, own_zero, zeros_um })
+        Ok(Readings::along(source, |_, _| Ok(measurement.clone()))?.0)
     }
 
     /// Whether every cell of a file can be read, whatever was measured.
@@ -55,8 +51,44 @@ impl Readings {
 
     /// Reads a file by itself, in a box of unit cells.
     pub(crate) fn without_job(source: Source) -> Result<(Readings, Volume, PathKind), Problems> {
-        let ((runs, own_zero, zeros_um), path) = runs_of(&source, shown_path)?;
-        Ok((Readings { source, runs, own_zero, zeros_um }, path.volume, path.kind))
+        let (readings, path) = Readings::along(source, shown_path)?;
+        Ok((readings, path.volume, path.kind))
+    }
+
+    /// Reads a file and checks it against the path that `measured` says of it.
+    fn along(
+        source: Source,
+        measured: impl FnOnce(&Table<'_>, &[Row<'_>]) -> Result<DiagonalMeasurement, Problems>,
+    ) -> Result<(Readings, DiagonalMeasurement), Problems> {
+        let notes = Notes::default();
+        let (table, values) = table(&source, &notes)?;
+        let rows = rows(&table);
+        let path = measured(&table, &rows)?;
+        notes.end(())?;
+        let mut walks = Walks::new();
+        for row in &rows {
+            walks.entry(row.walk).or_default().push(row);
+        }
+        walks.values_mut().for_each(|rows| rows.sort_by_key(|row| row.node));
+        let last = path.volume.last_node(path.kind);
+        let walked = Walked { table: &table, walks, path: &path, values, last };
+        walked.check_set();
+        if walked.check_nodes() {
+            walked.check_moves();
+            walked.check_readings();
+        }
+        walked.check_temperatures();
+        notes.end(())?;
+        let runs = walked.walks.iter().map(|(walk, rows)| walked.run(*walk, rows));
+        let mut runs: Vec<Run> = runs.collect();
+        runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
+        let walks = || walked.walks.keys();
+        let zeros_um = walks().filter_map(|walk| Some((walk.diagonal, walked.zero_um(*walk)?)));
+        let mut zeros_um: Vec<(Diagonal, f64)> = zeros_um.collect();
+        zeros_um.dedup();
+        let own = walks().filter(|walk| walk.is_own());
+        let own_zero = own.map(|walk| (walk.diagonal, walk.run)).collect();
+        Ok((Readings { source, runs, own_zero, zeros_um }, path))
     }
 
     /// What the file says of itself in comments `# note: …`, one sentence each, and what was subtracted.
@@ -98,95 +130,36 @@ impl Readings {
 /// The rows of each walk, by ascending node.
 type Walks<'r, 'a> = BTreeMap<Walk, Vec<&'r Row<'a>>>;
 
-/// How the readings were measured, and what they hold beside the errors.
-struct Path {
-    kind: PathKind,
-    volume: Volume,
-    laser_sign: Direction,
-    material: Option<Material>,
-}
-
-impl Path {
-    fn of(measured: &DiagonalMeasurement) -> Path {
-        let DiagonalMeasurement { kind, laser_sign, material, .. } = *measured;
-        Path { kind, volume: measured.volume.clone(), laser_sign, material }
-    }
-}
-
 /// The walks of a file, beside the path that they shall be.
 struct Walked<'r, 'a> {
     table: &'r Table<'a>,
     walks: Walks<'r, 'a>,
-    path: &'r Path,
+    path: &'r DiagonalMeasurement,
     /// Displacements as they were read (`Positions`), or measured − nominal ones.
     values: Values,
     /// The last node of the path.
     last: usize,
 }
 
-type Found = (Vec<Run>, Vec<(Diagonal, u32)>, Vec<(Diagonal, f64)>);
-
-/// The runs of a file, checked against the path that `measured` says of it.
-fn runs_of(
-    source: &Source,
-    measured: impl FnOnce(&Table<'_>, &[Row<'_>]) -> Result<Path, Problems>,
-) -> Result<(Found, Path), Problems> {
-    let notes = Notes::default();
-    let (table, values) = table(source, &notes)?;
-    let rows = rows(&table);
-    let path = measured(&table, &rows)?;
-    notes.end(())?;
-    let mut walks = Walks::new();
-    for row in &rows {
-        walks.entry(row.walk).or_default().push(row);
-    }
-    walks.values_mut().for_each(|rows| rows.sort_by_key(|row| row.node));
-    let last = path.volume.last_node(path.kind);
-    let walked = Walked { table: &table, walks, path: &path, values, last };
-    walked.check_set();
-    if walked.check_nodes() {
-        walked.check_moves();
-        walked.check_readings();
-    }
-    walked.check_temperatures();
-    notes.end(())?;
-    let runs = walked.walks.iter().map(|(walk, rows)| walked.run(*walk, rows));
-    let mut runs: Vec<Run> = runs.collect();
-    runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
-    let walks = || walked.walks.keys();
-    let zeros_um = walks().filter_map(|walk| Some((walk.diagonal, walked.zero_um(*walk)?)));
-    let mut zeros_um: Vec<(Diagonal, f64)> = zeros_um.collect();
-    zeros_um.dedup();
-    let own = walks().filter(|walk| walk.is_own());
-    let own_zero = own.map(|walk| (walk.diagonal, walk.run)).collect();
-    Ok(((runs, own_zero, zeros_um), path))
-}
-
 /// How the readings of a file were measured, as far as they show it. The box is not among it, so a box of
 /// unit cells takes its place: no figure that depends on it may be made.
-fn shown_path(table: &Table<'_>, rows: &[Row<'_>]) -> Result<Path, Problems> {
+fn shown_path(table: &Table<'_>, rows: &[Row<'_>]) -> Result<DiagonalMeasurement, Problems> {
     if let Some(column) = table.column(Content::reading(Values::Positions)) {
         return Err(table.at(column, refusals::displacements_alone()).into());
     }
     let last = rows.iter().map(|row| row.node).max().unwrap_or(0);
-    let is_step = rows.iter().any(|row| row.moved.is_some());
     let moved_to = |wanted: usize| rows.iter().find(|row| row.node == wanted)?.moved;
-    let (kind, steps) = match is_step {
-        true => (PathKind::Step, last.div_ceil(3)),
-        false => (PathKind::Straight, last),
+    let (kind, steps) = match rows.iter().any(|row| row.moved.is_some()) {
+        true => (PathKind::Step, last.div_ceil(3).max(1)),
+        false => (PathKind::Straight, last.max(1)),
     };
     let edges = |mm: f64| PerAxis::from_fn(|_| Millimetres::new(mm));
-    let mut volume = Volume {
-        start: edges(0.0),
-        size: edges(1.0),
-        steps: steps.max(1),
-        order: match [1, 2, 3].map(moved_to) {
-            [Some(first), Some(second), Some(third)] => [first, second, third],
-            _ => Axis::ALL,
-        },
+    let order = match [1, 2, 3].map(moved_to) {
+        [Some(first), Some(second), Some(third)] => [first, second, third],
+        _ => Axis::ALL,
     };
-    volume.size = edges(volume.steps_f64());
-    Ok(Path { kind, volume, laser_sign: Direction::Plus, material: None })
+    let volume = Volume { start: edges(0.0), size: edges(steps as f64), steps, order };
+    Ok(DiagonalMeasurement::along(kind, volume))
 }
 
 // The columns and rows of a file of readings, and the walks that the rows belong to.

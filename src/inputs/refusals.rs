@@ -33,15 +33,15 @@ refusals! {
     only_understood(options, command) => "understood from the file, but neither stated nor confirmed: {options}", format!("if it is so, add `--yes`; or in full: {command}");
     list_without_form() => "a list of captures does not say where they were taken", "name the form that says it, `--form readings.csv` (docs/measuring.md section 4)";
     other_count(found, expected) => "expected {expected} words in this row, found {found}", MISSING;
-    something_else(what, found, expected, help) => "{what} is `{found}`, expected {expected}", help.to_string();
+    something_else(what, found, expected, help) => "{what} is `{found}`, expected {expected}", help;
     no_sense_of_targets() => "the targets neither ascend nor descend, expected at least two in one sense", "a measurement on a line is needed; circular or repeated targets make no curve";
     // Statements.
     no_meaning(option, format, takes) => "`{option}` has no meaning for format `{format}`", format!("leave it out; `{format}` takes {takes}");
     contradicted(statement, says, option) => "`{statement}` contradicts the file, which says `{says}`", format!("leave `{option}` out");
     other_axis_stated(axis, term, along) => "`--axis {axis}` contradicts `--term {term}`, in which {along} moves", "the last letter of a term is the moving axis";
     other_term(term, format, held) => "`--term {term}` is not in a file of the format `{format}`, which holds {held}", "state the term that was measured, or take the right file";
-    other_axis(entry, moved, help) => "the file names axis `{entry}`, but {moved} was stated as the moving axis", help.to_string();
-    is_measured_less_target(whose, help) => "`--sign as-correction` contradicts the file, whose {whose} measured − target", help.to_string();
+    other_axis(entry, moved, help) => "the file names axis `{entry}`, but {moved} was stated as the moving axis", help;
+    is_measured_less_target(whose, help) => "`--sign as-correction` contradicts the file, whose {whose} measured − target", help;
     // Bytes and kinds of files.
     no_spreadsheet(path) => "`--sheet` is stated, but `{path}` is not read as a spreadsheet", "leave it out, or name a file that ends with .xlsx, .xls or .ods";
     other_mark(stated, path, marked) => "`--encoding {stated}` contradicts `{path}`, which begins with the mark of {marked}", "leave `--encoding` out";
@@ -96,7 +96,7 @@ refusals! {
     other_block(found) => "the block has {found} rows, expected one without an argument, else at least two", "put a line with `#` between the blocks; the file may be incomplete";
     other_argument(component, along) => "`{component}` is a curve along {along}, but it does not stand under this argument", "each block has its own moving axis";
     // The mapping of columns.
-    unknown_column(target, help) => "unknown column `{target}` in `--columns`", help.to_string();
+    unknown_column(target, help) => "unknown column `{target}` in `--columns`", help;
     no_equals(pair) => "`{pair}` of `--columns` has no `=`", format!("write NAME=COLUMN, {EXAMPLE}");
     mapped_like_another(target) => "`{target}` of `--columns` gives the same as a column before it", KEEP_ONE;
     only_numbers() => "`--columns` names no column, so the line above the numbers cannot be found", format!("give at least one column by its name, {EXAMPLE}");
@@ -131,7 +131,7 @@ refusals! {
     no_readings(text) => "`{text}` of `--columns` names no readings", "write one column, `NAME=displacement_mm` or `#1=deviation_um`; units are mm, um, in and uin";
     no_list_column(list, column) => "`{list}` has no column `{column}` with numbers", "name it as the file writes it, or by its number, `#1=…`";
     other_list(needs, list) => "the form {needs} list named as {list}", "a form of diagonals takes `--ppp`, `--npp`, `--pnp` and `--ppn`, one of an axis a single FILE";
-    other_captures(of, found, expected, what, help) => "the list of {of} gives {found} captures, expected {expected} as in the form: {what}", help.to_string();
+    other_captures(of, found, expected, what, help) => "the list of {of} gives {found} captures, expected {expected} as in the form: {what}", help;
     no_form(name) => "`{name}` is no form of readings", FORM;
     no_form_header() => "this is no header of a form of readings", FORM;
     filled_already() => "the form holds a value already, expected an empty cell", FORM;
@@ -141,7 +141,7 @@ refusals! {
     no_unit(name, more) => "column `{name}` has no unit, expected `{name}_mm`, `_um`, `_in` or `_uin`{more}", "name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`";
     other_values(stated, name, named) => "{stated} were stated, but column `{name}` holds {named}", "leave out `--values`";
     two_units(name, target) => "column `{name}` has another unit than `{target}`, expected to be told whether it holds positions or deviations", STATE_VALUES;
-    unclear_values(name, found, help) => "column `{name}` does not say whether its values are positions or deviations: {found}", help.to_string();
+    unclear_values(name, found, help) => "column `{name}` does not say whether its values are positions or deviations: {found}", help;
     other_table() => "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means", RUNS;
     targets_unnamed() => "there is no column for the targets, expected `target_mm`, `target_in` or `target_um`", RUNS;
     other_layout(name) => "column `{name}` belongs to another layout than `up1`, `dn1` …", RUNS;
@@ -151,9 +151,10 @@ refusals! {
     one_target() => "there is one target only, expected at least two", "a positioning test has five or more targets";
     read_twice(what, line) => "{what} stands here again, the first time in line {line}", "keep one of the two rows";
     no_reading(target, run, direction) => "target {target} mm has no reading of run {run} moving {direction}, which other targets have", "a missing reading is not filled in; write a target the same way in every row, or leave out the run or the target as a whole";
-    far(off, target, limit, least, more, help) => "the reading is {off:.4} mm from its target at {target} mm, expected less than {limit:.4} mm (half the way to the next target, or {least} mm where they are closer){more}", help.to_string();
+    far(off, target, limit, least, more, help) => "the reading is {off:.4} mm from its target at {target} mm, expected less than {limit:.4} mm (half the way to the next target, or {least} mm where they are closer){more}", help;
     // Whatever table.
-    no_column_for(what, example, first_line) => "there is no column for {what}, expected {example}", first_line.to_string();
+    same_column(name, other) => "column `{name}` gives the same as column `{other}` before it", KEEP_ONE;
+    no_column_for(what, example, first_line) => "there is no column for {what}, expected {example}", first_line;
     // Error tables.
     no_positions() => "the table has a header but no rows, expected measured positions", "write one row for each measured position, e.g. x,0,0";
     mixed_directions(axis) => "axis {axis} has rows with and without a direction, expected one kind", "give every row of the axis `+` or `-`, or none";
@@ -166,20 +167,20 @@ refusals! {
     other_range(axis) => "axis {axis} was measured over another range than in the table before", "measure the components of an axis over the same range, in machine coordinates";
     // Readings of the diagonals.
     displacements_alone() => "the readings are displacements: their deviations need the box, which stands in the job", "give the job instead: `nonius standards job.toml`";
-    no_walk(pass, diagonals, help) => "there is no {pass} run of {diagonals}", help.to_string();
+    no_walk(pass, diagonals, help) => "there is no {pass} run of {diagonals}", help;
     named_back(walk, name, diagonal) => "{walk}: `{name}` already names the return pass of {diagonal}", format!("write `{diagonal}` and `reverse`");
     walked_twice(walk, twin) => "{walk} stands a second time as {twin}", "keep one of the two, or give them different runs";
     no_forward_rows(walk) => "{walk} has no forward rows of the same run, whose start is its zero", "give both ways of a run the same number";
     node_twice(walk, node) => "{walk}: node {node} stands more than once", "number repeated runs in the column `run`, and mark the return pass in the column `direction`";
     beyond_last_node(walk, node, last) => "{walk} reaches node {node}, but the last node of this path is {last}", "nodes count from 0 at the start of the forward run; check `steps` and `kind` of the job";
-    other_last_node(found, kind, steps, last, help) => "the runs end at node {found}, but {kind} runs with `steps = {steps}` end at node {last}", help.to_string();
+    other_last_node(found, kind, steps, last, help) => "the runs end at node {found}, but {kind} runs with `steps = {steps}` end at node {last}", help;
     nodes_missing(walk, nodes) => "{walk}: {nodes} missing", "measure it again: a missing reading is never filled in";
     straight_moved() => "straight runs have no column `moved`: all axes move together", "remove the column, or write `kind = \"step\"` in the job";
     no_moved() => "there is no column `moved`, which runs of single-axis steps need", "name the axis of the forward step that ends at each node, or write `kind = \"straight\"` in the job";
     forward_order(walk, order, diagonal, back) => "{walk} takes the axes in the order {order}, as the forward run does, so its nodes are not those of {diagonal}: walked backwards, the order is {back}", format!("measure the return pass over the same nodes; if these are such rows with the numbers of the forward run, write `{diagonal}` and `reverse`");
-    other_move(walk, node, found, expected, help) => "{walk}, node {node}: {found} moved, expected {expected}", help.to_string();
+    other_move(walk, node, found, expected, help) => "{walk}, node {node}: {found} moved, expected {expected}", help;
     no_such_deviation(walk, node, mm) => "{walk}, node {node}: the deviation is {mm} mm, which no machine has", "check the reading, and the unit in the column's name; a column of the displacement itself is named `displacement_mm`";
-    other_displacement(walk, node, mm, expected, help) => "{walk}, node {node}: the displacement is {mm} mm, expected about {expected} mm", help.to_string();
+    other_displacement(walk, node, mm, expected, help) => "{walk}, node {node}: the displacement is {mm} mm, expected about {expected} mm", help;
     no_room_temperature(name, celsius, low, high) => "`{name}` is {celsius} °C, expected {low} … {high} °C", "give degrees Celsius";
     temperature_missing(walk, node, name) => "{walk}, node {node}: `{name}` is empty, expected a number as in the other rows of this run", "a missing value is never filled in: leave the column empty for the whole run";
     no_temperature(axis, key) => "there is no temperature of axis {axis}: neither a column `t_{key}_c` nor `temperature_c` in the job's [measurement.step_diagonal.material]", "give the mean temperature of the scale in the job, or a column with that of every reading";
@@ -198,7 +199,7 @@ refusals! {
     no_terms_word(word) => "`terms` is `{word}`, expected `all` or a list of terms", TERMS;
     no_term_at_all() => "`terms` names no term, expected at least one", TERMS;
     term_twice(name) => "`{name}` is given twice in `terms`", "remove one";
-    unknown_term(name, help) => "unknown term `{name}`", help.to_string();
+    unknown_term(name, help) => "unknown term `{name}`", help;
     no_axis_id(id, what) => "`{id}` {what}, expected letters, digits and `_`", "write every physical axis once, as the control shows it, e.g. `AX1`";
     block_backwards(first, last) => "the block [{first}, {last}] ends before it begins", "write [first, last]";
     other_axes() => "`program.axes` names each of `x`, `y`, `z` at most once, and at least one", "for instance `axes = [\"x\", \"z\"]`";

@@ -8,7 +8,8 @@ use crate::inputs::refusals;
 use crate::inputs::target_runs::Values;
 use crate::quantity::{Axis, Direction, UM_PER_MM};
 use crate::text::{
-    LengthUnit, Line, Notes, Problem, Problems, Source, columns_of, header_and_rows, shown,
+    LengthUnit, Line, Notes, Problem, Problems, Source, header_and_rows, refuse_other_first_line,
+    shown, unknown_column,
 };
 use std::borrow::Cow;
 use std::fmt;
@@ -148,7 +149,8 @@ pub(crate) struct Table<'a> {
     pub(crate) columns: Vec<Column>,
     pub(crate) lines: Vec<Line<'a>>,
     pub(crate) notes: &'a Notes,
-    first_line: &'static str,
+    /// What its first line should be.
+    pub(crate) first_line: &'static str,
 }
 
 impl<'a> Table<'a> {
@@ -163,21 +165,21 @@ impl<'a> Table<'a> {
             Problem::new(format!("`{}` holds no {what}", source.name)).help(first_line)
         })?;
         let known = known(&header)?;
+        refuse_other_first_line(&header, first_line)?;
         let names: Vec<&str> = known.iter().map(|column| column.name.as_str()).collect();
-        let same = |one: usize, other: usize| known[one].content.is_same(known[other].content);
-        let found = columns_of(&header, &names, same, [first_line, columns])?;
-        let found = found.into_iter().enumerate();
-        let columns = found.map(|(index, at)| Column { index, ..known[at].clone() }).collect();
-        Ok(Table { header, columns, lines, notes, first_line })
-    }
-
-    /// A table of some columns of a file.
-    pub(super) fn of(
-        (header, columns): (Line<'a>, Vec<Column>),
-        lines: Vec<Line<'a>>,
-        notes: &'a Notes,
-    ) -> Table<'a> {
-        Table { header, columns, lines, notes, first_line: "" }
+        let (mut problems, mut found) = (Problems::none(), Vec::<Column>::new());
+        for (index, name) in header.cells().iter().enumerate() {
+            let mut refuse = |problem: Problem| problems.push(problem.at(header.cell_place(index)));
+            let Some(own) = known.iter().find(|own| own.name == **name) else {
+                refuse(unknown_column(name, &names, columns));
+                continue;
+            };
+            if let Some(twin) = found.iter().find(|other| other.content.is_same(own.content)) {
+                refuse(refusals::same_column(name, &twin.name));
+            }
+            found.push(Column { index, ..own.clone() });
+        }
+        problems.or_ok(Table { header, columns: found, lines, notes, first_line })
     }
 
     /// The first column that holds such a thing.
@@ -212,7 +214,7 @@ impl<'a> Table<'a> {
         let width = self.header.cells().len();
         let mut rows = Vec::with_capacity(self.lines.len());
         for line in &self.lines {
-            if let Some(cells) = self.notes.with(|problems| line.cells_under(width, problems)) {
+            if let Some(cells) = self.notes.take(line.cells_under(width)) {
                 rows.extend(read(&Row { line: *line, table: self, cells }));
             }
         }
@@ -220,7 +222,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// What the number of a run has to be, and the next step where it is something else.
+/// What the number of a run has to be, as every count, and the next step where it is something else.
 pub(super) const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
 
 /// A whole number from 1.

@@ -68,8 +68,8 @@ pub struct Stated {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Runs {
     targets_mm: Vec<f64>,
-    up_um: Option<Vec<Vec<f64>>>,
-    down_um: Option<Vec<Vec<f64>>>,
+    /// Up and down.
+    um: [Option<Vec<Vec<f64>>>; 2],
 }
 
 impl Runs {
@@ -88,21 +88,20 @@ impl Runs {
         up_um: Option<Vec<Vec<f64>>>,
         down_um: Option<Vec<Vec<f64>>>,
     ) -> Result<Runs, Problem> {
-        let ascending = targets_mm.windows(2).all(|pair| pair[0] < pair[1]);
+        let ascending = targets_mm.is_sorted_by(|a, b| a < b);
         if targets_mm.len() < 2 || !ascending || !targets_mm.iter().all(|mm| mm.is_finite()) {
             return Err(refusals::few_targets());
         }
-        let measured = [&up_um, &down_um];
-        let is_complete = |um: &&Vec<Vec<f64>>| {
+        let um = [up_um, down_um];
+        let is_complete = |um: &Vec<Vec<f64>>| {
             let runs = um.first().map_or(0, Vec::len);
             let is_full = |of: &Vec<f64>| of.len() == runs && of.iter().all(|um| um.is_finite());
             runs > 0 && um.len() == targets_mm.len() && um.iter().all(is_full)
         };
-        let is_one = measured.iter().any(|um| um.is_some());
-        if !is_one || !measured.into_iter().flatten().all(|um| is_complete(&um)) {
+        if !um.iter().any(Option::is_some) || !um.iter().flatten().all(is_complete) {
             return Err(refusals::incomplete_runs(targets_mm.len()));
         }
-        Ok(Runs { targets_mm, up_um, down_um })
+        Ok(Runs { targets_mm, um })
     }
 
     /// The targets, ascending, mm.
@@ -112,10 +111,7 @@ impl Runs {
 
     /// Deviations of a direction of approach in µm: for every target those of all runs.
     pub fn deviations_um(&self, direction: Direction) -> Option<&[Vec<f64>]> {
-        match direction {
-            Direction::Plus => self.up_um.as_deref(),
-            Direction::Minus => self.down_um.as_deref(),
-        }
+        self.um[direction as usize].as_deref()
     }
 
     /// Number of runs in a direction; 0 = not measured.
@@ -125,9 +121,7 @@ impl Runs {
 
     /// From the first to the last target, mm.
     pub fn length_mm(&self) -> f64 {
-        match (self.targets_mm.first(), self.targets_mm.last()) {
-            (Some(first), Some(last)) => last - first,
-            _ => 0.0,
-        }
+        let ends = self.targets_mm.first().zip(self.targets_mm.last());
+        ends.map_or(0.0, |(first, last)| last - first)
     }
 }

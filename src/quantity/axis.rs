@@ -34,11 +34,7 @@ impl Axis {
 
     /// Capital letter, as in `EYX`.
     pub const fn letter(self) -> char {
-        match self {
-            Axis::X => 'X',
-            Axis::Y => 'Y',
-            Axis::Z => 'Z',
-        }
+        ['X', 'Y', 'Z'][self as usize]
     }
 
     /// Capital letters of several axes in their order, as in `XYZ`.
@@ -48,25 +44,12 @@ impl Axis {
 
     /// Small letter, as in the error table and in job keys.
     pub const fn key(self) -> &'static str {
-        match self {
-            Axis::X => "x",
-            Axis::Y => "y",
-            Axis::Z => "z",
-        }
+        ["x", "y", "z"][self as usize]
     }
 
     /// The axis of a letter of either case.
     pub fn from_letter(text: &str) -> Option<Axis> {
         Axis::ALL.into_iter().find(|axis| axis.key().eq_ignore_ascii_case(text))
-    }
-
-    #[inline]
-    const fn index(self) -> usize {
-        match self {
-            Axis::X => 0,
-            Axis::Y => 1,
-            Axis::Z => 2,
-        }
     }
 }
 
@@ -93,10 +76,7 @@ impl Direction {
 
     /// `+` or `-`, as in the error table.
     pub const fn symbol(self) -> &'static str {
-        match self {
-            Direction::Plus => "+",
-            Direction::Minus => "-",
-        }
+        ["+", "-"][self as usize]
     }
 
     /// The direction of a symbol.
@@ -162,19 +142,13 @@ impl ErrorTerm {
 
     /// The term of a name such as `EYX`.
     pub fn from_name(name: &str) -> Option<ErrorTerm> {
-        let axis =
-            |letter: u8| Axis::ALL.into_iter().find(|axis| axis.letter() == char::from(letter));
-        match name.as_bytes() {
-            [b'E', of, along] => Some(ErrorTerm { of: axis(*of)?, along: axis(*along)? }),
-            _ => None,
-        }
+        ErrorTerm::ALL.into_iter().find(|term| term.to_string() == name)
     }
 }
 
 impl fmt::Display for ErrorTerm {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = format!("E{}{}", self.of, self.along);
-        out.pad(&name)
+        out.pad(&format!("E{}{}", self.of, self.along))
     }
 }
 
@@ -199,20 +173,11 @@ impl Rotation {
     pub fn all() -> impl Iterator<Item = Rotation> {
         ErrorTerm::ALL.into_iter().map(|term| Rotation { about: term.of, along: term.along })
     }
-
-    /// Roll turns about the axis that moves; the others are pitch and yaw.
-    pub fn is_roll(self) -> bool {
-        self.about == self.along
-    }
 }
 
 impl fmt::Display for Rotation {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let letter = match self.about {
-            Axis::X => 'A',
-            Axis::Y => 'B',
-            Axis::Z => 'C',
-        };
+        let letter = ['A', 'B', 'C'][self.about as usize];
         out.pad(&format!("E{letter}{}", self.along))
     }
 }
@@ -342,11 +307,8 @@ pub struct PerTerm<T>([[T; 3]; 3]);
 
 impl<T> PerTerm<T> {
     /// The value of each term from a function of the term.
-    pub fn from_fn(mut of: impl FnMut(ErrorTerm) -> T) -> Self {
-        PerTerm(
-            Axis::ALL
-                .map(|along| Axis::ALL.map(|direction| of(ErrorTerm { of: direction, along }))),
-        )
+    pub fn from_fn(mut value: impl FnMut(ErrorTerm) -> T) -> Self {
+        PerTerm(Axis::ALL.map(|along| Axis::ALL.map(|of| value(ErrorTerm { of, along }))))
     }
 
     /// Term and value, in the order of [`ErrorTerm::ALL`].
@@ -365,7 +327,7 @@ impl<T: Serialize> Serialize for PerTerm<T> {
 impl<T> Index<ErrorTerm> for PerTerm<T> {
     type Output = T;
     fn index(&self, term: ErrorTerm) -> &T {
-        &self.0[term.along.index()][term.of.index()]
+        &self.0[term.along as usize][term.of as usize]
     }
 }
 
@@ -373,19 +335,19 @@ impl<T> Index<ErrorTerm> for PerTerm<T> {
 impl<T> Index<Rotation> for PerTerm<T> {
     type Output = T;
     fn index(&self, rotation: Rotation) -> &T {
-        &self.0[rotation.along.index()][rotation.about.index()]
+        &self.0[rotation.along as usize][rotation.about as usize]
     }
 }
 
 impl<T> IndexMut<Rotation> for PerTerm<T> {
     fn index_mut(&mut self, rotation: Rotation) -> &mut T {
-        &mut self.0[rotation.along.index()][rotation.about.index()]
+        &mut self.0[rotation.along as usize][rotation.about as usize]
     }
 }
 
 impl<T> IndexMut<ErrorTerm> for PerTerm<T> {
     fn index_mut(&mut self, term: ErrorTerm) -> &mut T {
-        &mut self.0[term.along.index()][term.of.index()]
+        &mut self.0[term.along as usize][term.of as usize]
     }
 }
 

@@ -85,11 +85,12 @@ impl Chain {
     /// What a rotation does through the positions of the axes after it: r × a, without tool offset.
     /// Empty for the rotations that have no effect (all of axis 3, and of axis 2 about axis 3).
     pub fn effects(self, rotation: Rotation) -> Vec<LeverEffect> {
-        let carried = self.carried_by(rotation.along).into_iter();
-        carried
-            .filter(|arm| *arm != rotation.about)
-            .map(|arm| lever_effect(rotation.about, arm))
-            .collect()
+        let effect = |arm: Axis| {
+            let product = unit(rotation.about).cross(unit(arm)); // nothing where they are one axis
+            let (direction, sign) = product.iter().find(|(_, part)| **part != 0.0)?;
+            Some(LeverEffect { direction, arm, sign: *sign })
+        };
+        self.carried_by(rotation.along).into_iter().filter_map(effect).collect()
     }
 }
 
@@ -126,14 +127,6 @@ pub fn displaced(
         arm[axis] += arm_mm[axis];
     }
     [error, sum]
-}
-
-/// e_about × e_arm, for two different axes.
-fn lever_effect(about: Axis, arm: Axis) -> LeverEffect {
-    let product = unit(about).cross(unit(arm));
-    let direction =
-        Axis::ALL.into_iter().find(|axis| *axis != about && *axis != arm).unwrap_or(about);
-    LeverEffect { direction, arm, sign: product[direction] }
 }
 
 #[cfg(test)]

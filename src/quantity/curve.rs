@@ -65,7 +65,7 @@ impl ErrorCurve {
         kind: Interpolation,
     ) -> ErrorCurve {
         assert!(!positions.is_empty() && positions.len() == deviations.len());
-        assert!(positions.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(positions.is_sorted_by(|a, b| a < b));
         assert!(deviations.iter().all(|deviation| deviation.um().is_finite()));
         let values: Vec<f64> = deviations.iter().map(|deviation| deviation.um()).collect();
         ErrorCurve {
@@ -233,12 +233,8 @@ impl ErrorCurve {
                 }
             }
         }
-        if let Some(knot) = self.knots.last()
-            && knot.mm() > from
-            && knot.mm() < to
-        {
-            visit(knot.mm(), self.last);
-        }
+        let last = self.knots.last().filter(|knot| from < knot.mm() && knot.mm() < to);
+        last.into_iter().for_each(|knot| visit(knot.mm(), self.last));
         visit(to, self.um_at(to));
     }
 
@@ -261,22 +257,21 @@ impl ErrorCurve {
     /// The deviation in plain numbers: mm to µm.
     #[inline]
     pub(crate) fn um_at(&self, x: f64) -> f64 {
-        let above = self.knots.partition_point(|knot| knot.mm() <= x);
-        let index = above.saturating_sub(1);
-        match self.pieces.get(index) {
-            Some(piece) => value_of(piece, (x - self.knots[index].mm()).max(0.0)),
-            None => self.last,
-        }
+        self.piece_at(x).map_or(self.last, |(piece, s)| value_of(piece, s.max(0.0)))
     }
 
     /// The cubic that holds to the right of `x`, about `x`; of a single point, its constant.
     fn cubic_about(&self, x: f64) -> Cubic {
+        let last = [self.last, 0.0, 0.0, 0.0];
+        self.piece_at(x).map_or(last, |(piece, s)| pieces::about(piece, s))
+    }
+
+    /// The cubic that holds to the right of `x`, and how far `x` lies behind its knot; `None` from the last knot on.
+    #[inline]
+    fn piece_at(&self, x: f64) -> Option<(&Cubic, f64)> {
         let above = self.knots.partition_point(|knot| knot.mm() <= x);
         let index = above.saturating_sub(1);
-        match self.pieces.get(index) {
-            Some(piece) => pieces::about(piece, x - self.knots[index].mm()),
-            None => [self.last, 0.0, 0.0, 0.0],
-        }
+        Some((self.pieces.get(index)?, x - self.knots[index].mm()))
     }
 
     /// The curve plus `line(x)` of slope `slope` (µm/mm).

@@ -13,7 +13,7 @@
 //! `PPP` runs from the corner with the smallest coordinates to the one with the largest; `N` in a
 //! name says that this axis travels negative on the forward run (contract §2.2).
 
-use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis, Squared};
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::{Index, IndexMut};
@@ -38,34 +38,20 @@ impl Diagonal {
 
     /// Its name, e.g. `NPP`.
     pub const fn name(self) -> &'static str {
-        match self {
-            Diagonal::Ppp => "PPP",
-            Diagonal::Npp => "NPP",
-            Diagonal::Pnp => "PNP",
-            Diagonal::Ppn => "PPN",
-        }
+        ["PPP", "NPP", "PNP", "PPN"][self as usize]
     }
 
     /// The name of the same line walked backwards, e.g. `PNN` for `NPP`.
     pub const fn reverse_name(self) -> &'static str {
-        match self {
-            Diagonal::Ppp => "NNN",
-            Diagonal::Npp => "PNN",
-            Diagonal::Pnp => "NPN",
-            Diagonal::Ppn => "NNP",
-        }
+        ["NNN", "PNN", "NPN", "NNP"][self as usize]
     }
 
     /// The diagonal of a name; `Pass::Reverse` where the name is that of the reverse run.
     pub fn from_name(name: &str) -> Option<(Diagonal, Pass)> {
         Diagonal::ALL.into_iter().find_map(|diagonal| {
-            if diagonal.name() == name {
-                Some((diagonal, Pass::Forward))
-            } else if diagonal.reverse_name() == name {
-                Some((diagonal, Pass::Reverse))
-            } else {
-                None
-            }
+            let names = [diagonal.name(), diagonal.reverse_name()];
+            let pass = names.into_iter().zip(Pass::BOTH).find(|(own, _)| *own == name);
+            pass.map(|(_, pass)| (diagonal, pass))
         })
     }
 
@@ -92,15 +78,6 @@ impl Diagonal {
         match self.forward(axis) {
             Direction::Plus => 1.0,
             Direction::Minus => -1.0,
-        }
-    }
-
-    const fn index(self) -> usize {
-        match self {
-            Diagonal::Ppp => 0,
-            Diagonal::Npp => 1,
-            Diagonal::Pnp => 2,
-            Diagonal::Ppn => 3,
         }
     }
 }
@@ -137,13 +114,13 @@ impl<T: Serialize> Serialize for PerDiagonal<T> {
 impl<T> Index<Diagonal> for PerDiagonal<T> {
     type Output = T;
     fn index(&self, diagonal: Diagonal) -> &T {
-        &self.0[diagonal.index()]
+        &self.0[diagonal as usize]
     }
 }
 
 impl<T> IndexMut<Diagonal> for PerDiagonal<T> {
     fn index_mut(&mut self, diagonal: Diagonal) -> &mut T {
-        &mut self.0[diagonal.index()]
+        &mut self.0[diagonal as usize]
     }
 }
 
@@ -163,10 +140,7 @@ impl Pass {
 
     /// The word of the readings file.
     pub const fn word(self) -> &'static str {
-        match self {
-            Pass::Forward => "forward",
-            Pass::Reverse => "reverse",
-        }
+        ["forward", "reverse"][self as usize]
     }
 }
 
@@ -202,8 +176,7 @@ impl Volume {
 
     /// R: length of a body diagonal, mm.
     pub fn diagonal_mm(&self) -> f64 {
-        let square = |axis: Axis| self.size[axis].mm().squared();
-        (square(Axis::X) + square(Axis::Y) + square(Axis::Z)).sqrt()
+        PerAxis::from_fn(|axis| self.size[axis].mm()).length()
     }
 
     /// V/R: direction cosine of an axis along PPP.
@@ -282,26 +255,7 @@ impl Volume {
         let laser = self.laser(diagonal);
         let here = self.inside_mm(diagonal, kind, node);
         let start = self.inside_mm(diagonal, kind, 0);
-        let part = |axis: Axis| laser[axis] * (here[axis] - start[axis]);
-        part(Axis::X) + part(Axis::Y) + part(Axis::Z)
-    }
-
-    /// What the errors of the machine at the nodes of a pass do along the laser, by node:
-    /// u · E(q), not zeroed (first order: beam and mirror along the diagonal). `None` where an
-    /// error is not known.
-    pub(crate) fn along_beam(
-        &self,
-        diagonal: Diagonal,
-        kind: PathKind,
-        error_at: impl Fn(usize) -> Option<PerAxis<f64>>,
-    ) -> Option<Vec<f64>> {
-        let laser = self.laser(diagonal);
-        let reading = |node: usize| {
-            let error = error_at(node)?;
-            let part = |axis: Axis| laser[axis] * error[axis];
-            Some(part(Axis::X) + part(Axis::Y) + part(Axis::Z))
-        };
-        (0..=self.last_node(kind)).map(reading).collect()
+        laser.dot(here.minus(start))
     }
 
     /// The machine interval (0 = lowest) that the step with running number `step` (0 = first)

@@ -25,22 +25,13 @@ pub enum LengthUnit {
 impl LengthUnit {
     /// Its word in the names of columns and on the command line.
     pub const fn word(self) -> &'static str {
-        match self {
-            LengthUnit::Um => "um",
-            LengthUnit::Mm => "mm",
-            LengthUnit::In => "in",
-            LengthUnit::Uin => "uin",
-        }
+        ["um", "mm", "in", "uin"][self as usize]
     }
 
     /// How many micrometres it has.
     pub const fn um(self) -> f64 {
-        match self {
-            LengthUnit::Um => 1.0,
-            LengthUnit::Mm => UM_PER_MM,
-            LengthUnit::In => MM_PER_INCH * UM_PER_MM,
-            LengthUnit::Uin => MM_PER_INCH * UM_PER_MM / 1e6,
-        }
+        let inch = MM_PER_INCH * UM_PER_MM;
+        [1.0, UM_PER_MM, inch, inch / 1e6][self as usize]
     }
 
     /// The unit of a text as people write it, such as `mm`, `µm` or `inch`.
@@ -62,7 +53,7 @@ pub struct Line<'a> {
     source: &'a Source,
     number: usize,
     /// Where it begins in the text of its source.
-    start: usize,
+    pub(crate) start: usize,
     text: &'a str,
     delimiter: u8,
     decimal_comma: bool,
@@ -111,21 +102,15 @@ impl<'a> Line<'a> {
     }
 
     /// Its cells, if they are as many as in the header.
-    pub(crate) fn cells_under(
-        &self,
-        columns: usize,
-        problems: &mut Problems,
-    ) -> Option<Vec<Cow<'a, str>>> {
+    pub(crate) fn cells_under(&self, columns: usize) -> Result<Vec<Cow<'a, str>>, Problem> {
         if self.text.bytes().filter(|byte| *byte == b'"').count() % 2 == 1 {
-            problems.push(refused::open_quote().at(self.whole()));
-            return None;
+            return Err(refused::open_quote().at(self.whole()));
         }
         let cells = self.cells();
-        if cells.len() != columns {
-            problems.push_with(|| wrong_length(self, cells.len(), columns));
-            return None;
+        match cells.len() == columns {
+            true => Ok(cells),
+            false => Err(wrong_length(self, cells.len(), columns)),
         }
-        Some(cells)
     }
 
     fn place(&self, span: Range<usize>) -> Place {
@@ -170,10 +155,8 @@ impl<'a> Line<'a> {
                 None if cell.contains(',') => ("expected a finite number", DECIMAL_COMMA),
                 None => ("expected a finite number", expected),
             };
-            Problem::new(format!("`{name}` is {found}, {what}"))
-                .at(self.cell_place(index))
-                .in_column(index)
-                .help(help)
+            let problem = refused::other_number(name, found, what, help);
+            problem.at(self.cell_place(index)).in_column(index)
         });
         None
     }
@@ -202,9 +185,7 @@ fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
         "every row has as many cells as the header: a cell that may be empty keeps its separator"
     };
     let plural = if found == 1 { "" } else { "s" };
-    Problem::new(format!("the row has {found} cell{plural}, expected {expected} as in the header"))
-        .at(row.whole())
-        .help(help)
+    refused::other_length(found, plural, expected, help).at(row.whole())
 }
 
 /// Every line of a text; what separates its columns is taken from the line itself: the first of
@@ -283,31 +264,6 @@ fn starts_of(line: &str, delimiter: u8) -> Vec<usize> {
     starts
 }
 
-/// Which of the known columns stand in a header, in its order; the words are the next step where the first line is
-/// something else, and where the name of a column is near none of the known ones.
-pub(crate) fn columns_of(
-    header: &Line<'_>,
-    known: &[&str],
-    is_same: impl Fn(usize, usize) -> bool,
-    [first_line, columns]: [&str; 2],
-) -> Result<Vec<usize>, Problems> {
-    refuse_other_first_line(header, first_line)?;
-    let mut problems = Problems::none();
-    let mut found: Vec<usize> = Vec::new();
-    for (index, name) in header.cells().iter().enumerate() {
-        let Some(own) = known.iter().position(|own| **own == **name) else {
-            problems.push(unknown_column(name, known, columns).at(header.cell_place(index)));
-            continue;
-        };
-        if let Some(twin) = found.iter().find(|other| is_same(**other, own)) {
-            let other = known[*twin];
-            problems.push(refused::same_column(name, other).at(header.cell_place(index)));
-        }
-        found.push(own);
-    }
-    problems.or_ok(found)
-}
-
 /// Columns of a table; runs of a linear axis are far fewer.
 const MOST_COLUMNS: usize = 1000;
 
@@ -320,7 +276,7 @@ pub(crate) fn refuse_many_columns(header: &Line<'_>, help: &str) -> Result<(), P
 }
 
 /// A table without header, or with tabs, would be one unknown column after the other.
-fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem> {
+pub(crate) fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem> {
     refuse_many_columns(header, help)?;
     let message = if header.text.contains('\t') {
         "the columns are separated by tabs, expected commas or semicolons"
@@ -337,7 +293,8 @@ fn quantity(name: &str) -> Option<&str> {
     name.rsplit_once('_').map(|(quantity, _)| quantity)
 }
 
-fn unknown_column(name: &str, known: &[&str], columns: &str) -> Problem {
+/// That no known column has this name: which was meant, or `columns`, the next step where none is near.
+pub(crate) fn unknown_column(name: &str, known: &[&str], columns: &str) -> Problem {
     let with_unit = |wanted: &str| -> Vec<String> {
         let of = known.iter().filter(|known| quantity(known) == Some(wanted));
         of.map(|name| format!("`{name}`")).collect()

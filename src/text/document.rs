@@ -11,7 +11,7 @@ mod section;
 
 pub(crate) use self::page::{read_page_for, read_page_over, states};
 
-use crate::text::{LineIndex, Place, Problem, Problems, refuse_long_lines, refused};
+use crate::text::{LineIndex, Place, Problem, Problems, refused};
 pub use schema::Key;
 pub(crate) use schema::{part, section};
 pub use section::Section;
@@ -48,7 +48,7 @@ pub const LARGEST_PAGE: usize = 1 << 18;
 impl Source {
     /// A file from its bytes; UTF-8 with or without byte order mark, text only.
     ///
-    /// limits [`MOST_LINES`] lines, none longer than [`crate::text::LONGEST_LINE_BYTES`]
+    /// limits [`MOST_LINES`] lines, none longer than [`LONGEST_LINE_BYTES`]
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Source, Problems> {
         let text = std::str::from_utf8(bytes)
             .ok()
@@ -115,8 +115,19 @@ impl Spot {
 
 /// Refuses a text of more than [`MOST_LINES`] lines.
 pub(crate) fn refuse_many_lines(name: &str, text: &str) -> Result<(), Problem> {
-    let too_many = || Err(refused::many_lines(name, MOST_LINES));
-    text.split('\n').nth(MOST_LINES + 1).map_or(Ok(()), |_| too_many())
+    let beyond = text.split('\n').nth(MOST_LINES + 1);
+    beyond.map_or(Ok(()), |_| Err(refused::many_lines(name, MOST_LINES)))
+}
+
+/// No line of a file that is read as a whole has more bytes: columns are counted and parts are shown
+/// without ever passing over more. The longest line of any file seen so far has 8 kB.
+pub const LONGEST_LINE_BYTES: usize = 1 << 16;
+
+/// Refuses a text with a line that is longer than anybody writes: with other line ends, or of another
+/// kind.
+pub(crate) fn refuse_long_lines(name: &str, text: &str) -> Result<(), Problem> {
+    let long = text.split('\n').position(|line| line.len() > LONGEST_LINE_BYTES);
+    long.map_or(Ok(()), |at| Err(refused::long_line(at + 1, name, LONGEST_LINE_BYTES)))
 }
 
 /// Refuses a page that is larger than anybody writes.
@@ -174,4 +185,17 @@ pub fn sha256(bytes: &[u8]) -> String {
     let digest = Sha256::digest(bytes);
     let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
     digits.map(digit).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_nobody_writes_is_refused() {
+        let long = "x".repeat(LONGEST_LINE_BYTES);
+        assert!(refuse_long_lines("a", &format!("{long}\n{long}")).is_ok());
+        let problem = refuse_long_lines("a", &format!("1\n{long}x")).expect_err("it is longer");
+        assert!(problem.message.starts_with("line 2 of `a`"), "{problem:?}");
+    }
 }

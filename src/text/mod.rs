@@ -9,21 +9,23 @@ mod refused;
 mod words;
 
 pub(crate) use self::document::{
-    json_page, part, read_page_for, read_page_over, refuse_large_page, refuse_many_lines, section,
-    states, template_text,
+    json_page, part, read_page_for, read_page_over, refuse_large_page, refuse_long_lines,
+    refuse_many_lines, section, states, template_text,
 };
 
 pub use self::delimited::{LengthUnit, Line, lines};
-pub(crate) use self::delimited::{columns_of, header_and_rows, plain_number, refuse_many_columns};
+pub(crate) use self::delimited::{
+    header_and_rows, plain_number, refuse_many_columns, refuse_other_first_line, unknown_column,
+};
 pub(crate) use self::document::keys::{LIMITS, Places};
 pub use self::document::{
-    Key, LARGEST_FILE_MIB, LARGEST_NUMBER, LARGEST_PAGE, LONGEST_MM, MOST_LINES, MOST_POINTS,
-    MOST_ROWS, Section, Source, sha256,
+    Key, LARGEST_FILE_MIB, LARGEST_NUMBER, LARGEST_PAGE, LONGEST_LINE_BYTES, LONGEST_MM,
+    MOST_LINES, MOST_POINTS, MOST_ROWS, Section, Source, sha256,
 };
 pub use self::finding::{Finding, Kind, Severity, of_severity};
 pub(crate) use self::finding::{findings, joined, listed, once};
 pub(crate) use self::plain::{BLANK, BOX, escaped, marked};
 pub use self::plain::{is_unseen, line, page};
-pub use self::problem::{LONGEST_LINE_BYTES, LineIndex, Place, Problem, Problems, nearest, shown};
-pub(crate) use self::problem::{Notes, bounded, did_you_mean, refusals, refuse_long_lines};
+pub use self::problem::{LineIndex, Place, Problem, Problems, nearest, shown};
+pub(crate) use self::problem::{Notes, bounded, did_you_mean, refusals};
 pub(crate) use self::words::{Named, Word, words};

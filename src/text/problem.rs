@@ -144,23 +144,6 @@ impl Place {
     }
 }
 
-/// No line of a file that is read as a whole has more bytes: columns are counted and parts are shown
-/// without ever passing over more. The longest line of any file seen so far has 8 kB.
-pub const LONGEST_LINE_BYTES: usize = 1 << 16;
-
-/// Refuses a text with a line that is longer than anybody writes: with other line ends, or of another
-/// kind.
-pub(crate) fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
-    match text.split('\n').position(|line| line.len() > LONGEST_LINE_BYTES) {
-        None => Ok(()),
-        Some(index) => Err(Problem::new(format!(
-            "line {} of `{file}` has more than {LONGEST_LINE_BYTES} bytes, too many for a line",
-            index + 1
-        ))
-        .help("check that the file is what it should be; lines end with LF or CR LF")),
-    }
-}
-
 fn floor_boundary(source: &str, at: usize) -> usize {
     let mut before = (0..=at.min(source.len())).rev();
     before.find(|at| source.is_char_boundary(*at)).unwrap_or_default()
@@ -204,9 +187,14 @@ impl Problem {
 
     /// The same, with the next step.
     #[must_use]
-    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(bounded(help.into()));
+    pub(crate) fn help(mut self, help: impl ToString) -> Self {
+        self.help = Some(bounded(help.to_string()));
         self
+    }
+
+    /// The file of its place.
+    fn file(&self) -> Option<&str> {
+        self.place.as_ref().map(|place| &*place.file)
     }
 
     /// The line of its place.
@@ -277,12 +265,8 @@ struct Kept {
 impl Kept {
     /// Whether another problem has the same cause: the same words in the same file.
     fn is_same(&self, other: &Problem) -> bool {
-        let places = (&self.problem.place, &other.place);
-        let same_file = match places {
-            (Some(own), Some(other)) => own.file == other.file,
-            (own, other) => own.is_none() && other.is_none(),
-        };
-        same_file && self.problem.message == other.message && self.problem.help == other.help
+        let own = &self.problem;
+        (own.file(), &own.message, &own.help) == (other.file(), &other.message, &other.help)
     }
 
     /// Whether another problem stands in the same column of the next row, whatever the cell holds.
@@ -292,7 +276,7 @@ impl Kept {
         own.column.is_some()
             && (own.column, &own.help) == (other.column, &other.help)
             && last.map(|line| line + 1) == other.line()
-            && own.place.as_ref().map(|p| &p.file) == other.place.as_ref().map(|p| &p.file)
+            && own.file() == other.file()
     }
 
     /// Takes a problem with the same cause; in the same line it is the same one.
@@ -459,12 +443,6 @@ impl Notes {
     }
 }
 
-impl From<Problems> for Notes {
-    fn from(problems: Problems) -> Notes {
-        Notes(RefCell::new(problems))
-    }
-}
-
 impl From<Problem> for Problems {
     fn from(problem: Problem) -> Self {
         let mut problems = Problems::none();
@@ -590,13 +568,5 @@ mod tests {
         }
         let end = index.place("a.csv", &text, text.len(), text.len() + 1);
         assert_eq!((end.line, end.column), (3 * INDEX_BLOCK + 1, 1));
-    }
-
-    #[test]
-    fn a_line_that_nobody_writes_is_refused() {
-        let long = "x".repeat(LONGEST_LINE_BYTES);
-        assert!(refuse_long_lines("a", &format!("{long}\n{long}")).is_ok());
-        let problem = refuse_long_lines("a", &format!("1\n{long}x")).expect_err("it is longer");
-        assert!(problem.message.starts_with("line 2 of `a`"), "{problem:?}");
     }
 }

@@ -10,6 +10,7 @@ const CHECK_UNIT: &str = "check the number and its unit";
 refusals! {
     // Files.
     many_lines(file, most) => "`{file}` has more than {most} lines, too many for a measurement or a job", format!("{CHECK_FILE}; remove blank lines, and measure fewer points");
+    long_line(line, file, most) => "line {line} of `{file}` has more than {most} bytes, too many for a line", format!("{CHECK_FILE}; lines end with LF or CR LF");
     large_page(file, kib) => "`{file}` holds more than {kib} KiB, too much for a job, a profile, a template or a manifest", CHECK_FILE;
     not_text(file, what) => "`{file}` {what}, expected UTF-8 text", "save it as plain text in UTF-8 (a spreadsheet: `CSV UTF-8`)";
     // Pages of TOML.
@@ -22,19 +23,20 @@ refusals! {
     missing(place, expected, key) => "{place}, expected {expected}", format!("add `{key} = …`");
     no_section(name) => "there is no section [{name}]", format!("add `[{name}]`");
     too_large(path, written) => "`{path}` is `{written}`, which is too large for any machine", CHECK_UNIT;
-    other_word(path, word, list, help) => "`{path}` is `{word}`, expected one of {list}", help.to_string();
-    unknown_key(name, section, help) => "unknown key `{name}`{section}", help.to_string();
+    other_word(path, word, list, help) => "`{path}` is `{word}`, expected one of {list}", help;
+    unknown_key(name, section, help) => "unknown key `{name}`{section}", help;
     only_with(path, with) => "`{path}` as it stands goes only with {with}", format!("remove or change it, or write {with}");
-    not_both(key, other, help) => "`{other}` and `{key}` are both given, expected one of the two", help.to_string();
-    out_of_range(path, written, expected, help) => "`{path}` is `{written}`, expected {expected}", help.to_string();
+    not_both(key, other, help) => "`{other}` and `{key}` are both given, expected one of the two", help;
+    out_of_range(path, written, expected, help) => "`{path}` is `{written}`, expected {expected}", help;
     backwards(path, low, high) => "`{path}` makes a range from {low} to {high} mm, expected the smaller coordinate first", "write the smallest machine coordinate, then the largest";
     outside(path, axis, at, range, low, high) => "`{path}` puts {axis} at {at} mm, outside {range} {low} … {high} mm", "machine coordinates are meant: check them, and `travel_mm`";
     unseen(path) => "`{path}` holds a line break or another character that is not seen", "write it in one line of plain letters and digits";
-    other_text(key, text, expected, help) => "`{key}` is `{text}`, expected {expected}", help.to_string();
+    other_text(key, text, expected, help) => "`{key}` is `{text}`, expected {expected}", help;
     // Tables.
     open_quote() => "a quotation mark is opened but not closed in this row", "remove it; numbers need none";
-    same_column(name, other) => "column `{name}` gives the same as column `{other}` before it", KEEP_ONE;
-    many_columns(count, most, help) => "the first line has {count} columns, at most {most} are read", help.to_string();
+    other_length(found, plural, expected, help) => "the row has {found} cell{plural}, expected {expected} as in the header", help;
+    other_number(name, found, what, help) => "`{name}` is {found}, {what}", help;
+    many_columns(count, most, help) => "the first line has {count} columns, at most {most} are read", help;
     column_unit(name, what, list) => "column `{name}` has {what}, expected {list}", "the unit is part of the column's name";
-    unknown_column(name, help) => "unknown column `{name}`", help.to_string();
+    unknown_column(name, help) => "unknown column `{name}`", help;
 }

@@ -127,13 +127,29 @@ pub(crate) fn with_slashes(path: &Path) -> String {
 
 /// What went wrong, the same on every operating system where it is common.
 pub fn plain_words(error: &Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "it does not exist".to_string(),
-        std::io::ErrorKind::NotADirectory => "a part of its path is a file".to_string(),
-        std::io::ErrorKind::PermissionDenied => "permission denied".to_string(),
-        std::io::ErrorKind::StorageFull => "no space left".to_string(),
-        _ => error.to_string(),
-    }
+    let words = match error.kind() {
+        ErrorKind::NotFound => "it does not exist",
+        ErrorKind::NotADirectory => "a part of its path is a file",
+        ErrorKind::PermissionDenied => "permission denied",
+        ErrorKind::StorageFull => "no space left",
+        _ => return error.to_string(),
+    };
+    words.to_string()
+}
+
+/// That something cannot be read; `what` as it stands in a sentence.
+pub(crate) fn unreadable(what: &str, error: &Error) -> Problem {
+    Problem::new(format!("{what} cannot be read: {}", plain_words(error)))
+}
+
+/// The same of a folder.
+pub(crate) fn no_file(what: &str) -> Problem {
+    Problem::new(format!("{what} is a directory, expected a file")).help("name a file in it")
+}
+
+/// The same of what is too long for an input.
+pub(crate) fn too_long(what: &str) -> Problem {
+    Problem::new(format!("{what} holds more than {LARGEST_FILE_MIB} MiB, too much for an input"))
 }
 
 /// What stopped an output on its way to a place.
@@ -217,9 +233,11 @@ impl Memory {
         Memory { beneath: Some(beneath), ..self }
     }
 
-    /// What lies beneath, where nothing lies here: a folder that is here hides one beneath it.
+    /// What lies beneath, which is going to be read, where nothing lies here: a folder that is here hides one beneath it.
     fn beneath(&self, path: &Path) -> Option<&dyn Files> {
-        self.beneath.as_deref().filter(|_| self.own_kind(path).is_none())
+        let beneath = self.beneath.as_deref().filter(|_| self.own_kind(path).is_none())?;
+        self.read.borrow_mut().push(plain(path));
+        Some(beneath)
     }
 
     /// What lies here at a path.
@@ -277,26 +295,18 @@ impl Files for Memory {
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
         if let Some(beneath) = self.beneath(path) {
-            self.read.borrow_mut().push(plain(path));
             return beneath.bytes(path);
         }
-        let name = path.display();
-        let refused = |words: String| Err(Problem::new(format!("`{name}` {words}")));
+        let what = format!("`{}`", path.display());
         let Some(bytes) = self.all.borrow().get(&plain(path)).cloned() else {
-            let is_folder = self.own_kind(path).is_some();
-            return match is_folder {
-                true => refused("is a directory, expected a file".to_string())
-                    .map_err(|problem| problem.help("name a file in it")),
-                false => refused("cannot be read: it does not exist".to_string()),
-            };
+            return Err(match self.own_kind(path) {
+                Some(_) => no_file(&what),
+                None => unreadable(&what, &ErrorKind::NotFound.into()),
+            });
         };
         self.read.borrow_mut().push(plain(path));
-        match bytes.len() as u64 > LARGEST_FILE_MIB << 20 {
-            true => {
-                refused(format!("holds more than {LARGEST_FILE_MIB} MiB, too much for an input"))
-            }
-            false => Ok(bytes),
-        }
+        let fits = bytes.len() as u64 <= LARGEST_FILE_MIB << 20;
+        if fits { Ok(bytes) } else { Err(too_long(&what)) }
     }
 
     fn standard_input(&self) -> Result<Vec<u8>, Problem> {
@@ -311,7 +321,6 @@ impl Files for Memory {
 
     fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem> {
         if let Some(beneath) = self.beneath(path) {
-            self.read.borrow_mut().push(plain(path));
             return beneath.long(path);
         }
         Ok((path.display().to_string(), Box::new(Cursor::new(self.bytes(path)?))))
@@ -319,7 +328,6 @@ impl Files for Memory {
 
     fn names(&self, folder: &Path) -> std::io::Result<Vec<String>> {
         if let Some(beneath) = self.beneath(folder) {
-            self.read.borrow_mut().push(plain(folder));
             return beneath.names(folder);
         }
         let Kind::Folder = self.kind(folder)? else {

@@ -11,7 +11,7 @@ use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{PathKind, PerAxis};
 use crate::text::{Finding, Problem, Problems, Severity};
 use crate::visit::campaign::CampaignFiles;
-use crate::visit::files::{Files, Kind, file_name, plain_words, printed, with_slashes};
+use crate::visit::files::{Files, Kind, file_name, plain_words, printed, unreadable, with_slashes};
 use crate::visit::job_files::{Given, JobFiles};
 use crate::volume::assessment::with_tables;
 use crate::volume::volume_model::VolumeModel;
@@ -152,9 +152,7 @@ pub(crate) fn of_control(
     path: &str,
     help: &str,
 ) -> Result<OfControl, Problem> {
-    let refuse = |error: std::io::Error| {
-        Problem::new(format!("`{path}` cannot be read: {}", plain_words(&error))).help(help)
-    };
+    let refuse = |error: std::io::Error| unreadable(&format!("`{path}`"), &error).help(help);
     if files.kind(full).map_err(refuse)? == Kind::File {
         return Ok((None, vec![(file_name(full), files.bytes(full)?)]));
     }

@@ -8,10 +8,10 @@ use crate::inputs::kind::FileKind;
 use crate::inputs::readings::Readings;
 use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
-use crate::text::{Problem, Problems, Source, template_text};
+use crate::text::{Notes, Problem, Problems, Source, template_text};
 use crate::visit::files::{Files, beside_job, file_name, printed};
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A file that a command names, as it was read.
 pub(crate) struct Given<'a> {
@@ -89,11 +89,9 @@ impl<'a> JobFiles<'a> {
     }
 
     /// A problem of what stands at `key`.
-    pub(crate) fn at(&self, key: &str, problem: Problem) -> Problem {
-        beside_job(match self.job.source.place_of(key) {
-            Some(place) => problem.at(place),
-            None => problem,
-        })
+    pub(crate) fn at(&self, key: &str, mut problem: Problem) -> Problem {
+        problem.place = self.job.source.place_of(key).or(problem.place);
+        beside_job(problem)
     }
 
     /// The bytes of a file that stands at `key`.
@@ -161,29 +159,25 @@ pub(crate) fn profile(
     let path = folder.join(reference.strip_prefix("./").unwrap_or(reference));
     let bytes = files.bytes(&path).map_err(beside_job)?;
     let source = Source::from_bytes(&printed(&path), &bytes)?;
-    let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let beside = path.parent().unwrap_or(Path::new(""));
     let hashes = RefCell::new(vec![hashed(reference, &bytes)]);
-    let unreadable = RefCell::new(Problems::none());
-    let own = |name: &str| match own_template(files, &beside, name) {
-        Ok(None) => builtin::template(name),
-        Ok(Some((text, hash))) => {
-            let mut hashes = hashes.borrow_mut();
-            let is_known = hashes.iter().skip(1).any(|known| known.path == name);
-            hashes.extend((!is_known).then_some(hash));
-            Some(text.into())
+    let unreadable = Notes::default();
+    let find = |name: &str, is_own: bool| {
+        let own = if is_own { own_template(files, beside, name) } else { Ok(None) };
+        match unreadable.take(own) {
+            None => Some("".into()),
+            Some(None) => builtin::template(name),
+            Some(Some((text, hash))) => {
+                let mut hashes = hashes.borrow_mut();
+                let is_known = hashes.iter().skip(1).any(|known| known.path == name);
+                hashes.extend((!is_known).then_some(hash));
+                Some(text.into())
+            }
         }
-        Err(problems) => {
-            unreadable.borrow_mut().extend(problems);
-            Some("".into())
-        }
-    };
-    let find = |name: &str, is_own: bool| match is_own {
-        true => own(name),
-        false => builtin::template(name),
     };
     let origin = ProfileSource::File(reference.to_string());
     let profile = load::profile(source, origin, &find, &builtin::page);
-    unreadable.into_inner().or_ok(())?;
+    unreadable.end(())?;
     Ok((profile?, hashes.into_inner()))
 }
 
@@ -193,7 +187,7 @@ fn own_template(
     folder: &Path,
     name: &str,
 ) -> Result<Option<(String, HashedFile)>, Problems> {
-    let path: PathBuf = folder.join(name);
+    let path = folder.join(name);
     let plain = !name.contains(['/', '\\']) && !name.starts_with('.');
     let is_absent = |error: std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
     if !plain || files.kind(&path).is_err_and(is_absent) {

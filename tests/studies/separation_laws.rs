@@ -350,7 +350,7 @@ fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
     for order in ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"] {
         let chain = Chain::parse(&format!("w{order}t")).unwrap();
         for rotation in Rotation::all() {
-            let limit = match rotation.is_roll() {
+            let limit = match rotation.about == rotation.along {
                 true => 0.01,
                 false => 1.001 * 2.0 * volume.size[rotation.along].mm() / 8.0 / 1000.0,
             };

@@ -273,17 +273,10 @@ fn series(axis: Axis, table: &Table<'_>, rows: &[&Record<'_>]) -> Series {
 }
 
 /// A curve needs two positions.
-pub(super) fn refuse_single_positions(
-    table: &Table<'_>,
-    records: &[Record<'_>],
-    series: &PerAxis<Vec<Series>>,
-) {
-    for (axis, series) in series.iter() {
-        for series in series.iter().filter(|series| series.lines.len() == 1) {
-            let mut records = records.iter();
-            if let Some(record) = records.find(|own| series.lines == [own.line.number()]) {
-                table.notes.refuse(refusals::single_position(axis).at(record.line.whole()));
-            }
+pub(super) fn refuse_single_positions(table: &Table<'_>, series: &PerAxis<Vec<Series>>) {
+    for series in series.iter().flat_map(|(_, series)| series) {
+        if let Some(line) = table.lines.iter().find(|line| series.lines == [line.number()]) {
+            table.notes.refuse(refusals::single_position(series.axis).at(line.whole()));
         }
     }
 }

@@ -27,7 +27,7 @@ use serde::Serialize;
 use std::fmt;
 
 const DOUBT: &str = "doubt:";
-const NOT_DETERMINED: &str = "not determined:";
+const UNKNOWN: &str = "not determined:";
 const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
 const NOT_STATED: &str = "not stated:";
@@ -40,6 +40,11 @@ const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
 const LINES: &str = "on the lines X, Y, Z, mm:";
 const NOTE: &str = "note:";
+/// How a remark may begin.
+const KEYS: [&str; 14] = [
+    DOUBT, REVERSAL, FREEDOM, NOT_STATED, LARGEST, MEASURED, ANEW, SAME_LASER, DOUBTFUL, NEGLECTED,
+    FRAME, LINES, NOTE, UNKNOWN,
+];
 
 /// Remarks of one kind that are kept: a screen shows five of them.
 const MOST_REMARKS: usize = 1000;
@@ -317,54 +322,62 @@ impl Remarks {
     }
 
     fn hear(&mut self, comment: &str) {
-        let after = |key: &str| Some(bounded(comment.strip_prefix(key)?.trim().to_string()));
-        if let Some(words) = after(DOUBT) {
-            self.doubts.push(Remark::Doubtful { words }.into());
-        } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
-            self.frame = self.frame.or(Some(frame));
-        } else if let Some(words) = after(LINES) {
-            let places = words.split(',').map(|mm| mm.trim().parse().ok().map(Millimetres::new));
-            match places.collect::<Option<Vec<Millimetres>>>().as_deref() {
-                Some(&[x, y, z]) => self.lines = Some(PerAxis { x, y, z }),
-                _ => self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into()),
+        let known = |key: &&'static str| Some((*key, comment.strip_prefix(key)?));
+        let Some((key, words)) = KEYS.iter().find_map(known) else { return };
+        let words = bounded(words.trim().to_string());
+        let doubtful = |words: String| Finding::from(Remark::Doubtful { words });
+        match key {
+            DOUBT => self.doubts.push(doubtful(words)),
+            NOTE => self.notes.push(note(words)),
+            LARGEST => self.largest = LargestErrors::read(&words),
+            MEASURED => self.measured = LargestErrors::read(&words),
+            ANEW => self.anew = Sizes::read(&words),
+            SAME_LASER => {
+                let of =
+                    |(serial, words)| Some((str::trim(serial).to_string(), Sizes::read(words)?));
+                self.same_laser = words.rsplit_once(':').and_then(of);
             }
-        } else if let Some(words) = after(NOTE) {
-            self.notes.push(note(words));
-        } else if let Some(words) = after(LARGEST) {
-            self.largest = LargestErrors::read(&words);
-        } else if let Some(words) = after(MEASURED) {
-            self.measured = LargestErrors::read(&words);
-        } else if let Some(words) = after(ANEW) {
-            self.anew = Sizes::read(&words);
-        } else if let Some(words) = after(SAME_LASER) {
-            let of = |(serial, words)| Some((str::trim(serial).to_string(), Sizes::read(words)?));
-            self.same_laser = words.rsplit_once(':').and_then(of);
-        } else if let Some(words) = after(DOUBTFUL) {
-            match Sizes::read(&words) {
+            DOUBTFUL => match Sizes::read(&words) {
                 Some(sizes) => self.doubtful = Some(sizes),
-                None => self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into()),
+                None => self.doubts.push(doubtful(comment.to_string())),
+            },
+            FRAME => {
+                let known = Frame::WORDS.iter().find(|(word, _)| *word == words);
+                self.frame = self.frame.or(known.map(|(_, frame)| *frame));
             }
-        } else if let Some(words) = after(NOT_STATED) {
-            let causes = Cause::listed(&words);
-            if causes.len() < words.split(',').count() {
-                self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into());
+            LINES => {
+                let places =
+                    words.split(',').map(|mm| mm.trim().parse().ok().map(Millimetres::new));
+                match places.collect::<Option<Vec<Millimetres>>>().as_deref() {
+                    Some(&[x, y, z]) => self.lines = Some(PerAxis { x, y, z }),
+                    _ => self.doubts.push(doubtful(comment.to_string())),
+                }
             }
-            join(&mut self.silence.not_stated, causes);
-        } else if let Some(words) = after(NEGLECTED) {
-            join(&mut self.silence.neglected, Cause::listed(&words));
-        } else if let Some(words) = after(REVERSAL) {
-            let um = words.split_whitespace().next().unwrap_or_default();
-            let um: Option<f64> = um.parse().ok();
-            self.hidden_reversal_um = um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
-        } else if let Some(words) = after(FREEDOM) {
-            let freedom = words.parse().ok().filter(|freedom: &f64| *freedom >= 1.0);
-            let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
-            self.degrees_of_freedom = all.reduce(smaller);
-        } else if let Some(words) = after(NOT_DETERMINED) {
-            let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
-            match ErrorTerm::from_name(term.trim()) {
-                Some(term) => self.not_determined.push((term, reason.trim().to_string())),
-                None => self.notes.push(note(format!("{NOT_DETERMINED} {words}"))),
+            NOT_STATED => {
+                let causes = Cause::listed(&words);
+                if causes.len() < words.split(',').count() {
+                    self.doubts.push(doubtful(comment.to_string()));
+                }
+                join(&mut self.silence.not_stated, causes);
+            }
+            NEGLECTED => join(&mut self.silence.neglected, Cause::listed(&words)),
+            REVERSAL => {
+                let um: Option<f64> =
+                    words.split_whitespace().next().and_then(|um| um.parse().ok());
+                self.hidden_reversal_um =
+                    um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
+            }
+            FREEDOM => {
+                let freedom = words.parse().ok().filter(|freedom: &f64| *freedom >= 1.0);
+                let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
+                self.degrees_of_freedom = all.reduce(smaller);
+            }
+            _ => {
+                let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
+                match ErrorTerm::from_name(term.trim()) {
+                    Some(term) => self.not_determined.push((term, reason.trim().to_string())),
+                    None => self.notes.push(note(format!("{UNKNOWN} {words}"))),
+                }
             }
         }
     }
@@ -378,7 +391,7 @@ impl Remarks {
         let places = self.lines.map(|at| joined(at.iter().map(|(_, place)| place.mm())));
         let mut lines = Vec::new();
         tell(&mut lines, DOUBT, &self.doubts);
-        tell(&mut lines, NOT_DETERMINED, missing);
+        tell(&mut lines, UNKNOWN, missing);
         tell(&mut lines, REVERSAL, reversal);
         tell(&mut lines, FREEDOM, self.degrees_of_freedom);
         lines.extend(self.silence.lines());

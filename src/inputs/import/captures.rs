@@ -39,9 +39,9 @@ fn filled(
     encoding: Option<&'static encoding_rs::Encoding>,
 ) -> Option<String> {
     let (source, stated) = (intake.source, intake.stated);
-    let column = intake.take(ListColumn::stated(stated));
+    let column = intake.notes.take(ListColumn::stated(stated));
     let counting = intake.settled(&CAPTURES, None, stated.captures);
-    let form = intake.take(Form::read(source));
+    let form = intake.notes.take(Form::read(source));
     let filling = Filling { form: form?, column: column?, counting: counting? };
     filling.refuse_other_lists(lists, intake);
     let mut values = Vec::new();
@@ -50,12 +50,12 @@ fn filled(
             let captures = filling.column.captures(&list, stated.decimal)?;
             Ok(filling.values(*of, &captures)?)
         });
-        values.extend(intake.take(taken).unwrap_or_default());
+        values.extend(intake.notes.take(taken).unwrap_or_default());
     }
     let text = intake.if_sound(filling.text(source, &values, lists, stated))?;
     if !filling.form.of_axis() {
         let filled = Source::from_bytes(&source.name, text.as_bytes());
-        intake.take(filled.and_then(|filled| Readings::look_at_cells(&filled)));
+        intake.notes.take(filled.and_then(|filled| Readings::look_at_cells(&filled)));
     }
     Some(text)
 }
@@ -77,7 +77,7 @@ impl Filling<'_> {
         let refuse = |of: Option<Diagonal>, words: &str| {
             let name = of.map(|of| format!("`--{} FILE`", of.name().to_ascii_lowercase()));
             let name = name.unwrap_or("FILE alone".to_string());
-            intake.refuse(refusals::other_list(words, name).at(self.form.header.whole()));
+            intake.notes.refuse(refusals::other_list(words, name).at(self.form.header.whole()));
         };
         let given: Vec<Option<Diagonal>> = lists.iter().map(|(of, _)| *of).collect();
         let is_empty = |of: &Option<Diagonal>| self.form.rows_of(*of).is_empty();

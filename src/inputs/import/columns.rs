@@ -20,20 +20,20 @@ use std::borrow::Cow;
 pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     let stated = intake.stated;
     let columns = intake.settled(&COLUMNS, None, stated.columns.as_deref())?;
-    let mapping = intake.take(Mapping::read(columns))?;
+    let mapping = intake.notes.take(Mapping::read(columns))?;
     let sheet = Sheet::read(intake, &mapping);
     mapping.require(intake);
     let is_error = mapping.holds_positions();
     let sign = if is_error { Some(TableSign::AsError) } else { intake.sign(None) };
     let term = if mapping.has_readings() { intake.term() } else { None };
     if is_error && term.is_some_and(|term| !term.is_positioning()) {
-        intake.refuse(refusals::position_of_straightness());
+        intake.notes.refuse(refusals::position_of_straightness());
     }
     let mut sheet = sheet?;
     let header = sheet.table.header;
     if is_error && stated.sign == Some(TableSign::AsCorrection) {
         let problem = refusals::is_measured_less_target("columns give", "leave `--sign` out");
-        intake.refuse(problem.at(header.whole()));
+        intake.notes.refuse(problem.at(header.whole()));
     }
     let rows = sheet.rows(term);
     sheet.refuse_unclear_values(&rows);
@@ -64,10 +64,11 @@ struct Sheet<'a> {
 impl<'a> Sheet<'a> {
     fn read(intake: &'a Intake<'a>, mapping: &Mapping) -> Option<Self> {
         let mut lines: Vec<Line<'a>> = lines(intake.source).collect();
-        let header = intake.take(header_of(&lines, mapping))?;
+        let header = intake.notes.take(header_of(&lines, mapping))?;
         lines.drain(..header.number());
-        let columns = intake.take(columns_of(&header, mapping))?;
-        Some(Sheet { intake, table: Table::of((header, columns), lines, &intake.notes) })
+        let columns = intake.notes.take(columns_of(&header, mapping))?;
+        let table = Table { header, columns, lines, notes: &intake.notes, first_line: "" };
+        Some(Sheet { intake, table })
     }
 
     /// What `+` of a mapped direction means: where targets, outward run and axis do not all go the
@@ -90,8 +91,7 @@ impl<'a> Sheet<'a> {
         let separated = self.table.lines.iter().map(|line| line.separated_by(delimiter, false));
         let filled = separated.filter(|line| !line.is_empty_row());
         // Cells are taken apart again where they are needed: together they are many times the file.
-        let is_whole =
-            |line: &Line<'_>| notes.with(|problems| line.cells_under(width, problems).is_some());
+        let is_whole = |line: &Line<'_>| notes.take(line.cells_under(width)).is_some();
         self.table.lines = filled.filter(is_whole).collect();
         let decimal = notes.take(self.decimal());
         let Some(decimal) = decimal.filter(|_| notes.is_sound()) else {
@@ -114,7 +114,7 @@ impl<'a> Sheet<'a> {
             let found =
                 "they are far from the targets; map them to `…_actual_…` or `…_deviation_…`";
             let problem = refusals::unclear_values(&open.name, found, NAME_VALUES);
-            self.intake.refuse(self.table.at(open, problem));
+            self.intake.notes.refuse(self.table.at(open, problem));
         }
     }
 

@@ -5,7 +5,7 @@
 use crate::inputs::import::spreadsheet;
 use crate::inputs::import::stated::Stated;
 use crate::inputs::refusals;
-use crate::text::{Place, Problem, Problems, Source};
+use crate::text::{Place, Problem, Problems, Source, joined};
 use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 
 /// A file to be imported.
@@ -45,8 +45,8 @@ const ENCODINGS: [(&Encoding, &str); 6] = [
 pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
     let name = if text == "latin-1" { "windows-1252" } else { text };
     let found = ENCODINGS.iter().find(|(known, _)| word(known) == name);
-    let words: Vec<String> = ENCODINGS.iter().map(|(known, _)| word(known)).collect();
-    found.map_or_else(|| Err(format!("expected {}", words.join(", "))), |(known, _)| Ok(*known))
+    let words = || joined(ENCODINGS.map(|(known, _)| word(known)));
+    found.map(|(known, _)| *known).ok_or_else(|| format!("expected {}", words()))
 }
 
 fn word(encoding: &'static Encoding) -> String {
@@ -121,8 +121,7 @@ fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
     let others = ENCODINGS.iter();
     let others = others.filter(|(other, users)| *other != encoding && !users.is_empty());
     let others = others.map(|(other, users)| format!("`--encoding {}` ({users})", word(other)));
-    let others: Vec<String> = others.collect();
-    refusals::other_letter(encoding.name(), others.join(", ")).at(place)
+    refusals::other_letter(encoding.name(), joined(others)).at(place)
 }
 
 const SPREADSHEETS: &[&str] = &["xls", "xlsx", "ods"];

@@ -54,9 +54,8 @@ impl<'a> Form<'a> {
         }
         let mut problems = Problems::none();
         for line in lines {
-            let cells = line.cells_under(form.names.len(), &mut problems);
-            let row = cells.map(|cells| form.row(line, cells));
-            form.rows.extend(row.and_then(|row| problems.take(row)));
+            let cells = line.cells_under(form.names.len());
+            form.rows.extend(problems.take(cells.and_then(|cells| form.row(line, cells))));
         }
         problems.or_ok(form)
     }

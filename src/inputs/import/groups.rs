@@ -31,11 +31,11 @@ pub(super) fn is_ascending(rows: &[Row<'_>], intake: &Intake<'_>) -> bool {
         return true;
     };
     if let Some(other) = rows.iter().find(|row| row.axis != first.axis) {
-        intake.refuse(refusals::two_axes().at(other.line.whole()));
+        intake.notes.refuse(refusals::two_axes().at(other.line.whole()));
     }
     let ascending = rows.iter().all(|row| row.position >= first.position);
     if !ascending && rows.iter().any(|row| row.position > first.position) {
-        intake.refuse(refusals::no_first_target().at(first.line.whole()));
+        intake.notes.refuse(refusals::no_first_target().at(first.line.whole()));
     }
     ascending
 }
@@ -95,7 +95,7 @@ impl<'a, 'b> Group<'a, 'b> {
     fn placing(&self, first: f64, positions: &[f64]) -> Option<Placing> {
         let row = self.rows.first()?;
         if (positions.first()? - first).abs() > SAME_PLACE_MM {
-            return self.intake.refused(refusals::other_first_target().at(row.line.whole()));
+            return self.intake.notes.refused(refusals::other_first_target().at(row.line.whole()));
         }
         let first_mm = self.intake.stated.first_target_at_mm;
         Placing::of(positions, &row.line.whole(), first_mm, self.intake)

@@ -8,9 +8,11 @@ use crate::inputs::import::stated::{
     AXIS, Fact, Format, MATERIAL_CORRECTED, MaterialCorrected, SIGN, Stated, TERM, word,
 };
 use crate::inputs::refusals::{self, AGAIN, MISSING};
+use crate::inputs::table::{RUN, count};
 use crate::quantity::Axis;
 use crate::text::{
-    Finding, LARGEST_NUMBER, Notes, Place, Problem, Problems, Source, plain_number, shown,
+    Finding, LARGEST_NUMBER, Line, Notes, Place, Problem, Problems, Source, lines, plain_number,
+    shown,
 };
 use std::cell::RefCell;
 
@@ -40,22 +42,9 @@ pub(super) struct Intake<'a> {
 
 impl<'a> Intake<'a> {
     pub(super) fn of(source: &'a Source, stated: &'a Stated, format: Format) -> Intake<'a> {
-        let notes = Notes::from(stated.foreign_to(format));
+        let notes = Notes::default();
+        stated.refuse_foreign(format, &notes);
         Intake { source, stated, format, notes, findings: RefCell::default() }
-    }
-
-    pub(super) fn refuse(&self, problem: Problem) {
-        self.notes.refuse(problem);
-    }
-
-    /// Notes what is wrong, and gives nothing.
-    pub(super) fn refused<T>(&self, problem: Problem) -> Option<T> {
-        self.notes.refused(problem)
-    }
-
-    /// The value, or its problems are noted.
-    pub(super) fn take<T>(&self, result: Result<T, impl Into<Problems>>) -> Option<T> {
-        self.notes.take(result)
     }
 
     /// The value, if nothing is wrong so far.
@@ -90,13 +79,8 @@ impl<'a> Intake<'a> {
 
     /// All lines, without their ends.
     pub(super) fn lines(&'a self) -> Vec<Piece<'a>> {
-        let mut start = 0;
-        let line = |text: &'a str| {
-            let line = Piece { intake: self, start, text: text.trim_end_matches('\r') };
-            start += text.len() + 1;
-            line
-        };
-        self.source.text.split('\n').map(line).collect()
+        let line = |line: Line<'a>| Piece { intake: self, start: line.start, text: line.text() };
+        lines(self.source).map(line).collect()
     }
 
     /// Lines as a table of so many numbers each.
@@ -137,7 +121,7 @@ impl Intake<'_> {
                 let statement = fact.statement(self.stated).unwrap_or_default();
                 place.refused(refusals::contradicted(statement, shown(place.text), fact.option))
             }
-            (None, None) => self.refused(fact.missing()),
+            (None, None) => self.notes.refused(fact.missing()),
             (found, stated) => found.map(|(found, _)| found).or(stated),
         }
     }
@@ -151,7 +135,7 @@ impl Intake<'_> {
     pub(super) fn term(&self) -> Option<Component> {
         let term = self.settled(&TERM, None, self.stated.term)?;
         if let Some(axis) = self.stated.axis.filter(|axis| *axis != term.along) {
-            self.refuse(refusals::other_axis_stated(axis.key(), term, term.along));
+            self.notes.refuse(refusals::other_axis_stated(axis.key(), term, term.along));
         }
         let (fits, held) = match self.format {
             Format::Ren | Format::Columns => {
@@ -160,7 +144,7 @@ impl Intake<'_> {
             _ => (term.is_positioning(), "positioning: EXX, EYY or EZZ"),
         };
         if !fits {
-            self.refuse(refusals::other_term(term, word(self.format), held));
+            self.notes.refuse(refusals::other_term(term, word(self.format), held));
         }
         Some(term)
     }
@@ -204,7 +188,7 @@ impl Intake<'_> {
                 let why = format!(
                     "the file notes {noted}, but not whether the readings were brought to 20 °C"
                 );
-                return self.refuse(MATERIAL_CORRECTED.missing_because(&why).at(at));
+                return self.notes.refuse(MATERIAL_CORRECTED.missing_because(&why).at(at));
             }
         };
         self.say(notable.then_some(ImportFinding::Material { state, noted, stake }));
@@ -280,13 +264,11 @@ impl<'a> Piece<'a> {
 
     /// Words between separators; adjacent separators are one.
     pub(super) fn words(&self, is_separator: fn(char) -> bool) -> Vec<Piece<'a>> {
-        let mut start = 0;
+        let mut end = 0;
         let parts = self.text.split_inclusive(is_separator).map(|part| {
-            start += part.len();
-            self.part(
-                start - part.len(),
-                start - part.len() + part.trim_end_matches(is_separator).len(),
-            )
+            let start = end;
+            end += part.len();
+            self.part(start, start + part.trim_end_matches(is_separator).len())
         });
         parts.filter(|word| !word.text.is_empty()).collect()
     }
@@ -338,8 +320,7 @@ impl<'a> Piece<'a> {
 
     /// A whole number from 1.
     pub(super) fn count(&self, what: &str) -> Option<usize> {
-        let count = |text: &str| text.parse().ok().filter(|count| *count >= 1_usize);
-        self.meaning(what, "a whole number from 1", count)
+        self.meaning(what, RUN.0, count)
     }
 
     /// What the text means, or the next step.

@@ -74,10 +74,9 @@ impl Expected {
     /// unknown one, so that the way over the gap counts.
     pub(super) fn missing(&self, values: &[f64]) -> Option<Located> {
         let captures = self.begins.len();
-        self.located(captures, |at, place, unknown| match at.cmp(&place) {
-            std::cmp::Ordering::Less => values.get(at).copied(),
-            std::cmp::Ordering::Equal => Some(self.nominal_um[at] + unknown),
-            std::cmp::Ordering::Greater => values.get(at - 1).copied(),
+        self.located(captures, |at, place, unknown| match at == place {
+            true => Some(self.nominal_um[at] + unknown),
+            false => values.get(at - usize::from(at > place)).copied(),
         })
     }
 

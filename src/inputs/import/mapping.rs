@@ -24,10 +24,6 @@ fn is_position(content: Content) -> bool {
     content.as_reading().is_some_and(|reading| reading.values != Some(Values::Deviations))
 }
 
-fn is_uncertainty(content: Content) -> bool {
-    matches!(content, Content::Uncertainty(_))
-}
-
 /// How the mapping names a column of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Named {
@@ -181,7 +177,7 @@ impl Mapping {
         let wide = self.has_any(|content| content.of_run().is_some());
         let others = self.has_any(|own| is_value(own) && own.of_run().is_none());
         let other_values = self.has_any(|own| matches!(own, Content::Value(_)));
-        let uncertain = self.has_any(is_uncertainty);
+        let uncertain = self.has_any(|own| matches!(own, Content::Uncertainty(_)));
         let mixed = self.has_any(is_position) && !self.holds_positions();
         let first_target = stated.first_target_at_mm.is_some();
         let runs_apart = "a column for each run";
@@ -205,12 +201,12 @@ impl Mapping {
             (stated.term.is_some() && !readings, refusals::term_of_nothing()),
         ];
         let wrong = wrong.into_iter().filter(|(is, _)| *is);
-        wrong.for_each(|(_, problem)| intake.refuse(problem));
+        wrong.for_each(|(_, problem)| intake.notes.refuse(problem));
         if stated.axis.is_none() && !axes && !readings {
-            intake.refuse(AXIS.missing());
+            intake.notes.refuse(AXIS.missing());
         }
         if stated.travel.is_none() && !directions {
-            intake.refuse(DIRECTION.missing());
+            intake.notes.refuse(DIRECTION.missing());
         }
     }
 }

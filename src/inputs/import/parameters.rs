@@ -123,7 +123,7 @@ impl<'a> Parameter<'a> {
     fn add(&self, component: Component, sign: TableSign, series: &mut Vec<Series>) -> Option<()> {
         let placing = Placing::on_machine(&self.positions_mm);
         let positions = &placing.positions;
-        let ascends = positions.windows(2).all(|pair| pair[0] < pair[1]);
+        let ascends = positions.is_sorted_by(|a, b| a < b);
         if positions.len() < 2 || positions.len() != self.values.len() || !ascends {
             return self.piece.refused(refusals::no_curve(shown(&self.name)));
         }
@@ -165,8 +165,8 @@ fn assemble(parameters: &[Parameter<'_>], intake: &Intake<'_>) -> Option<Content
     }
     found.1.sort_by_key(|squareness| squareness.pair);
     found.0.sort_by_key(|series| series.axis);
-    if found.0.is_empty() && intake.if_sound(()).is_some() {
-        intake.refuse(refusals::no_component());
+    if found.0.is_empty() && intake.notes.is_sound() {
+        intake.notes.refuse(refusals::no_component());
     }
     Some(found)
 }
@@ -214,7 +214,7 @@ pub(super) fn read_etalon<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
 fn refuse_unfinished(block: Option<&Parameter<'_>>, is_grid: bool, intake: &Intake<'_>) {
     match block {
         Some(block) if is_grid => block.piece.refuse(refusals::open_grid(&block.name)),
-        Some(block) if block.values.is_empty() && intake.if_sound(()).is_some() => {
+        Some(block) if block.values.is_empty() && intake.notes.is_sound() => {
             block.piece.refuse(refusals::no_value(&block.name));
         }
         _ => {}

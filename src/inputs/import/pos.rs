@@ -11,9 +11,9 @@
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
-use crate::inputs::import::reading::{Passes, Way};
+use crate::inputs::import::reading::Passes;
 use crate::inputs::refusals;
-use crate::quantity::UM_PER_MM;
+use crate::quantity::{Pass, UM_PER_MM};
 use crate::text::{LengthUnit, shown};
 
 /// The version of the format that was available.
@@ -76,7 +76,7 @@ fn first_line<'a>(lines: &[Piece<'a>], intake: &Intake<'_>) -> Option<Piece<'a>>
         |text: &str| is_first_line(text) && text.to_lowercase().contains("linear data table");
     first.filter(|first| is_linear(first.text)).copied().or_else(|| {
         let place = first.map_or_else(|| intake.top(), Piece::place);
-        intake.refused(refusals::no_linear_data().at(place))
+        intake.notes.refused(refusals::no_linear_data().at(place))
     })
 }
 
@@ -146,7 +146,7 @@ impl Header {
         let um = |column: &[f64]| column.iter().map(|own| own * unit.um()).collect::<Vec<f64>>();
         let (at, mut errors) = (um(&measured.positions), um(&measured.errors));
         let first = &at[..positions];
-        let mut ways = vec![(Way::Forward, Vec::new()), (Way::Reverse, Vec::new())];
+        let mut ways = Pass::BOTH.map(|pass| (Some(pass), Vec::new())).to_vec();
         let passes = at.chunks(positions).zip(errors.chunks_mut(positions));
         for (line, (at, errors)) in measured.lines.iter().step_by(positions).zip(passes) {
             let is_back = at != first;
@@ -190,7 +190,9 @@ impl<'a> Measured<'a> {
             NEEDED.iter().all(|name| words.contains(name))
         };
         let Some(number) = lines.iter().position(is_heading) else {
-            return intake.refused(refusals::nothing_measured(NEEDED.join(", ")).at(intake.top()));
+            return intake
+                .notes
+                .refused(refusals::nothing_measured(NEEDED.join(", ")).at(intake.top()));
         };
         let heading = lines[number];
         let names = words_of(&heading);

@@ -8,7 +8,7 @@ use crate::inputs::import::intake::{Contents, Intake};
 use crate::inputs::import::stated::{FIRST_TARGET, TARGETS_RUN};
 use crate::inputs::refusals;
 use crate::inputs::table::Content;
-use crate::quantity::{Axis, Deviation, Direction, Millimetres, Squared, rounded};
+use crate::quantity::{Axis, Deviation, Direction, Millimetres, Pass, Squared, rounded};
 use crate::text::Place;
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
@@ -21,19 +21,9 @@ pub(super) fn deviation(sign: TableSign, value: f64) -> Deviation {
     -sign.correction(value)
 }
 
-/// Which way the axis went over the targets of the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
-    /// From the first to the last.
-    Forward,
-    /// From the last to the first.
-    Reverse,
-    /// Not distinguished.
-    Both,
-}
-
-/// The runs of each way, their values in the order of the targets.
-pub(super) type Ways = Vec<(Way, Vec<Vec<f64>>)>;
+/// The runs of each way over the targets of the file (`None` = not distinguished), their values in the order of the
+/// targets.
+pub(super) type Ways = Vec<(Option<Pass>, Vec<Vec<f64>>)>;
 
 /// Passes over the targets of one axis.
 pub(super) struct Passes {
@@ -74,10 +64,7 @@ impl Passes {
         let Some(run) = intake.stated.targets_run else {
             return Vec::new();
         };
-        let counts = self.ways.iter().map(|(way, runs)| match way {
-            Way::Reverse => (runs.len(), run.opposite()),
-            _ => (runs.len(), run),
-        });
+        let counts = self.ways.iter().map(|(way, runs)| (runs.len(), travelled(*way, run)));
         let counts: Vec<(usize, Direction)> = counts.collect();
         let fewest = counts.iter().map(|(runs, _)| *runs).min().unwrap_or(0);
         let freedom = freedom(self.targets.len(), fewest);
@@ -106,11 +93,11 @@ impl Placing {
         let ascending = ascends(targets);
         let run = intake.stated.targets_run;
         if ascending.is_none() {
-            intake.refuse(refusals::no_sense_of_targets().at(at.clone()));
+            intake.notes.refuse(refusals::no_sense_of_targets().at(at.clone()));
         }
         let lacking = [(&FIRST_TARGET, first_mm.is_none()), (&TARGETS_RUN, run.is_none())];
         for (fact, _) in lacking.iter().filter(|(_, is)| *is) {
-            intake.refuse(fact.missing().at(at.clone()));
+            intake.notes.refuse(fact.missing().at(at.clone()));
         }
         let (first_mm, run) = (first_mm?, run?);
         let turned = ascending? != (run == Direction::Plus);
@@ -141,12 +128,8 @@ impl Placing {
     }
 
     /// The way of the axis in passes of one way.
-    pub(super) fn direction(&self, way: Way) -> Option<Direction> {
-        match way {
-            Way::Forward => Some(self.run),
-            Way::Reverse => Some(self.run.opposite()),
-            Way::Both => None,
-        }
+    pub(super) fn direction(&self, way: Option<Pass>) -> Option<Direction> {
+        way.map(|_| travelled(way, self.run))
     }
 
     /// Values of a file in the order of its targets → deviations in the order of the machine.
@@ -200,12 +183,16 @@ impl Placing {
     }
 }
 
+/// The way of an axis that moves as `run` says from the first target to the last.
+fn travelled(way: Option<Pass>, run: Direction) -> Direction {
+    if way == Some(Pass::Reverse) { run.opposite() } else { run }
+}
+
 /// Whether targets ascend; `None` = they neither ascend nor descend.
 fn ascends(targets: &[f64]) -> Option<bool> {
-    let all = |goes_on: fn(f64, f64) -> bool| {
-        targets.len() >= 2 && targets.windows(2).all(|pair| goes_on(pair[0], pair[1]))
-    };
-    if all(|a, b| a < b) { Some(true) } else { all(|a, b| a > b).then_some(false) }
+    let ascending = targets.is_sorted_by(|a, b| a < b);
+    let in_order = targets.len() >= 2 && (ascending || targets.is_sorted_by(|a, b| a > b));
+    in_order.then_some(ascending)
 }
 
 /// The remark of an error table on how well u is known: targets · (runs − 1).

@@ -7,6 +7,7 @@ use crate::inputs::import::mapping::{Mapping, column_of, unit_of_name};
 use crate::inputs::import::parameters::is_isg_header;
 use crate::inputs::import::stated::{Format, Stated, Travel};
 use crate::inputs::import::{pos, rtl};
+use crate::inputs::kind::head;
 use crate::inputs::refusals;
 use crate::text::{Line, Problem, Source, lines};
 
@@ -32,7 +33,7 @@ pub(super) fn recognised(
         whole.travel = stated.travel.or((!mapping.has_directions()).then_some(Travel::Both));
     }
     let Some(format) = format else {
-        let first = 0..first_content(source).len().min(source.text.len());
+        let first = 0..head(&source.text, "//").len().min(source.text.len());
         return Err(refusals::not_recognised(&source.name).at(source.place(&first)));
     };
     // In a `.pos` the name of the axis is often left as it was.
@@ -48,7 +49,7 @@ pub(super) fn recognised(
 
 /// The format, by what stands in the file, else by the ending of its name.
 fn format_of(source: &Source) -> Option<Format> {
-    let first = first_content(source);
+    let first = head(&source.text, "//");
     let has_key = |key: &str| {
         let mut lines = source.text.lines().map(str::trim);
         lines.any(|line| line.starts_with(key) && line.contains(':'))
@@ -64,12 +65,6 @@ fn format_of(source: &Source) -> Option<Format> {
         (Format::Ren, name.ends_with(".ren")),
     ];
     signs.into_iter().find(|(_, is)| *is).map(|(format, _)| format)
-}
-
-/// The first line that is neither empty nor a comment.
-fn first_content(source: &Source) -> &str {
-    let mut lines = source.text.lines().map(str::trim);
-    lines.find(|line| !line.is_empty() && !line.starts_with("//")).unwrap_or_default()
 }
 
 /// Words of columns as people write them, and ours.

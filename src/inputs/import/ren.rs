@@ -11,9 +11,10 @@
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
-use crate::inputs::import::reading::{Passes, Way};
+use crate::inputs::import::reading::Passes;
 use crate::inputs::import::stated::{UNIT, VALUES, Values};
 use crate::inputs::refusals::{self, SAVE_SO};
+use crate::quantity::Pass;
 use crate::text::{LARGEST_NUMBER, LengthUnit, Problem, plain_number, shown};
 
 /// Positions are compared to a tenth of a micrometre.
@@ -58,7 +59,7 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         intake.settled(&VALUES, found, stated.values);
     }
     let (mut passes, unit_um) = (passes?, unit_um?);
-    let is_combined = passes.ways.iter().any(|(way, _)| *way == Way::Both);
+    let is_combined = passes.ways.iter().any(|(way, _)| way.is_none());
     header.refuse_backlash(is_combined);
     header.refuse_missing_rows(&passes.targets);
     passes.ways.iter_mut().flat_map(|(_, runs)| runs).flatten().for_each(|value| *value *= unit_um);
@@ -84,14 +85,14 @@ fn length(text: &str) -> Option<(f64, LengthUnit)> {
 /// The table from its heading on, its values as they stand in the file.
 fn passes<'a>(intake: &'a Intake<'a>, table: &[Piece<'a>]) -> Option<Passes> {
     let Some((heading, lines)) = table.split_first() else {
-        return intake.refused(refusals::no_table().at(intake.top()));
+        return intake.notes.refused(refusals::no_table().at(intake.top()));
     };
     let text = heading.text.to_lowercase();
     let behind = text.split("axis position").nth(1).unwrap_or_default();
     let ways = match behind.split_whitespace().collect::<Vec<&str>>()[..] {
-        ["combined"] => vec![Way::Both],
-        ["forward", "reverse"] => vec![Way::Forward, Way::Reverse],
-        ["reverse", "forward"] => vec![Way::Reverse, Way::Forward],
+        ["combined"] => vec![None],
+        ["forward", "reverse"] => vec![Some(Pass::Forward), Some(Pass::Reverse)],
+        ["reverse", "forward"] => vec![Some(Pass::Reverse), Some(Pass::Forward)],
         _ => {
             return heading.refused(refusals::other_columns(shown(behind.trim())));
         }

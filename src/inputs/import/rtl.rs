@@ -12,11 +12,11 @@ use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::encoding::{Measurement, text_of};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece, named_axis};
-use crate::inputs::import::reading::{Passes, Placing, Way, Ways};
+use crate::inputs::import::reading::{Passes, Placing, Ways};
 use crate::inputs::import::stated::{Format, RUNS, Runs, Stated};
 use crate::inputs::{refusals, target_runs};
-use crate::quantity::{Axis, Direction};
-use crate::text::{Finding, LARGEST_NUMBER, Place, Problem, Problems, plain_number, shown};
+use crate::quantity::{Axis, Direction, Pass};
+use crate::text::{Finding, LARGEST_NUMBER, Place, Problem, Problems, joined, plain_number, shown};
 use std::collections::BTreeMap;
 
 pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
@@ -78,7 +78,7 @@ fn runs_of<'a>(intake: &'a Intake<'a>) -> Option<target_runs::Runs> {
     };
     let targets_mm = placing.positions.iter().map(|target| target.mm()).collect();
     let (up, down) = (moving(Direction::Plus), moving(Direction::Minus));
-    intake.take(target_runs::Runs::new(targets_mm, up, down))
+    intake.notes.take(target_runs::Runs::new(targets_mm, up, down))
 }
 
 /// The coordinate of the first target: that of the file, mirrored at its zero where the file counts
@@ -143,13 +143,13 @@ impl<'a> Sections<'a> {
         let source = self.intake.source;
         let end = source.text.trim_end().len();
         let start = source.text[..end].rfind('\n').map_or(0, |at| at + 1);
-        self.intake.refused(refusals::there_is_no(what).at(source.place(&(start..end))))
+        self.intake.notes.refused(refusals::there_is_no(what).at(source.place(&(start..end))))
     }
 
     /// The runs of a file and what is said of them; what the file says is said.
     fn passes(&self) -> Option<(Passes, Vec<ImportFinding>)> {
         if self.found.is_empty() {
-            return self.intake.refused(refusals::no_section_at_all().at(self.intake.top()));
+            return self.intake.notes.refused(refusals::no_section_at_all().at(self.intake.top()));
         }
         let needed = ["TARGET DATA", "RUNS", "DEVIATIONS", "EOF"];
         let lacking = needed.iter().filter(|needed| !self.found.contains_key(**needed));
@@ -212,7 +212,9 @@ impl<'a> Sections<'a> {
         let (count, runs) = (count?.0, runs?);
         let listed = targets.as_ref().filter(|(targets, _)| targets.len() != count);
         if let Some((targets, place)) = listed {
-            self.intake.refuse(refusals::other_targets(targets.len(), count).at(place.clone()));
+            self.intake
+                .notes
+                .refuse(refusals::other_targets(targets.len(), count).at(place.clone()));
         }
         let runs = self.runs(runs, count)?;
         let (targets, at) = targets.filter(|(targets, _)| targets.len() == count)?;
@@ -226,15 +228,13 @@ impl<'a> Sections<'a> {
         let Some(at) = lines.iter().position(is_head) else {
             return self.lacks("`Targets` in section `TARGET DATA::`");
         };
-        let beside = lines[at].behind(':').into_iter();
+        let beside = lines[at].behind(':').filter(|beside| !beside.is_blank());
         let below = lines[at + 1..].iter().take_while(|line| line.key_value().is_none());
-        let filled = beside.chain(below.copied()).filter(|line| !line.is_blank());
-        let filled: Vec<Piece<'_>> = filled.collect();
-        let is_beside = lines[at].behind(':').is_some_and(|beside| !beside.is_blank());
-        let first = filled.first().filter(|_| !is_beside);
-        let place = first.unwrap_or(&lines[at]).place();
+        let mut below = below.filter(|line| !line.is_blank()).peekable();
+        let first = below.peek().filter(|_| beside.is_none());
+        let place = first.map_or(&lines[at], |first| *first).place();
         let mut words = Vec::new();
-        for line in filled {
+        for line in beside.iter().chain(below) {
             words.extend(line.words(char::is_whitespace));
             if words.len() > MOST {
                 return line.refused(refusals::too_many_targets(MOST));
@@ -266,11 +266,11 @@ impl<'a> Sections<'a> {
         }
         for run in (1..=runs).filter(|_| whole) {
             let missing = (1..=targets).filter(|target| !found.contains_key(&(run, *target)));
-            let missing: Vec<String> = missing.map(|target| target.to_string()).collect();
+            let missing: Vec<usize> = missing.collect();
             let problem = match missing.len() {
                 0 => continue,
                 count if count == targets => refusals::run_missing(run, runs),
-                _ => refusals::targets_missing(run, shown(&missing.join(", "))),
+                _ => refusals::targets_missing(run, shown(&joined(&missing))),
             };
             run_count.refuse(problem);
             if self.intake.notes.is_full() {
@@ -305,13 +305,13 @@ impl<'a> Sections<'a> {
         };
         let at_flags = |problem: Problem| match flags {
             Some(flags) => flags.refused(problem),
-            None => self.intake.refused(problem),
+            None => self.intake.notes.refused(problem),
         };
         let stated = self.intake.stated.runs;
         if let (Some(why), None) = (unclear, stated) {
             return at_flags(RUNS.missing_because(why));
         }
-        let (forward, back) = (Way::Forward, Way::Reverse);
+        let [forward, back] = Pass::BOTH.map(Some);
         match self.intake.settled(&RUNS, flagged.zip(flags), stated)? {
             Runs::Bidirectional if odd.len() == even.len() => {
                 Some((vec![(forward, odd), (back, even)], None))
@@ -345,19 +345,17 @@ impl<'a> Sections<'a> {
             return;
         };
         let noted = format!("a material temperature of {celsius} °C");
-        let (stake, um) = match numbers("expcoeff").next() {
-            None => ("and no expansion coefficient".to_string(), f64::INFINITY),
+        let (stake, is_notable) = match numbers("expcoeff").next() {
+            None => ("and no expansion coefficient".to_string(), true),
             Some((_, alpha)) => {
                 let um = alpha * (celsius - REFERENCE_C) * length_mm / 1000.0;
-                (
-                    format!(
-                        "{alpha} µm/m per K × ({celsius} − 20) K × {length_mm} mm = {um:.1} µm over the measured length"
-                    ),
-                    um,
-                )
+                let stake = format!(
+                    "{alpha} µm/m per K × ({celsius} − 20) K × {length_mm} mm = {um:.1} µm over the measured length"
+                );
+                (stake, um.abs() >= NOTABLE_UM)
             }
         };
-        self.intake.check_material(noted, line.place(), stake, um.abs() >= NOTABLE_UM);
+        self.intake.check_material(noted, line.place(), stake, is_notable);
     }
 }
 

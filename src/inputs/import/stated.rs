@@ -6,7 +6,7 @@ use crate::control::controller::TableSign;
 use crate::inputs::error_table::Component;
 use crate::inputs::refusals;
 use crate::quantity::{Axis, Direction};
-use crate::text::{LONGEST_MM, LengthUnit, Problem, Problems};
+use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem};
 use clap::{Args, ValueEnum};
 
 /// Formats that can be read, in the order of the documentation.
@@ -276,14 +276,12 @@ impl Stated {
         (!own.is_empty()).then(|| own.join(" "))
     }
 
-    /// A statement that has no meaning for the format is a mistake of the user.
-    pub(super) fn foreign_to(&self, format: Format) -> Problems {
+    /// Notes statements that have no meaning for the format: mistakes of the user.
+    pub(super) fn refuse_foreign(&self, format: Format, notes: &Notes) {
         let of_format = FACTS.iter().filter(|fact| fact.formats.contains(&format));
         let takes: Vec<&str> = of_format.map(|fact| fact.option).collect();
-        let mut problems = Problems::none();
         for (option, _) in self.given().iter().filter(|(option, _)| !takes.contains(option)) {
-            problems.push(refusals::no_meaning(option, word(format), takes.join(", ")));
+            notes.refuse(refusals::no_meaning(option, word(format), takes.join(", ")));
         }
-        problems
     }
 }

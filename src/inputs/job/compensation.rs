@@ -3,7 +3,7 @@
 use crate::control::controller::ControlUnit;
 use crate::inputs::refusals;
 use crate::quantity::{ErrorTerm, Fit, Interpolation, PerAxis};
-use crate::text::{LIMITS, LONGEST_MM, Section, Word, did_you_mean, section, shown, words};
+use crate::text::{LIMITS, LONGEST_MM, Section, Word, did_you_mean, joined, section, shown, words};
 
 /// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,11 +30,6 @@ impl UseOf {
             true => UseOf::Tables,
             false => UseOf::Figures,
         }
-    }
-
-    /// Whether `[compensation]` may be absent.
-    pub(super) const fn needs_control(self) -> bool {
-        matches!(self, UseOf::Tables | UseOf::Programs)
     }
 
     /// Whether a key has to be filled in for it; `key` = its dotted path, entries of a list without number.
@@ -96,7 +91,7 @@ pub(crate) fn policies_as_stated(policies: &PerAxis<Option<BacklashPolicy>>) -> 
     let own = policies.iter();
     let own = own.filter_map(|(axis, policy)| Some((axis, (*policy)?)));
     let each = own.map(|(axis, policy)| format!("{} = \"{}\"", axis.key(), policy.word()));
-    format!("{{ {} }}", each.collect::<Vec<_>>().join(", "))
+    format!("{{ {} }}", joined(each))
 }
 
 /// Whether all axes have the same policy, or none.

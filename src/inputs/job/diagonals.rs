@@ -38,6 +38,26 @@ section! {
     }
 }
 
+impl DiagonalMeasurement {
+    /// One of which nothing is stated but the path.
+    pub(crate) fn along(kind: PathKind, volume: Volume) -> DiagonalMeasurement {
+        DiagonalMeasurement {
+            readings: String::new(),
+            kind,
+            closure_errors: None,
+            target: Reflector::usual(kind),
+            volume,
+            laser_sign: Direction::Plus,
+            setup: SetUp::Solve,
+            frame: Frame::XPrimary,
+            overrun: None,
+            linear: Vec::new(),
+            beams: Vec::new(),
+            material: None,
+        }
+    }
+}
+
 words! {
     /// What is assumed of the direction of mirror and beam in the four set-ups.
     pub enum SetUp {
@@ -55,14 +75,6 @@ words! {
         XPrimary = "x-primary",
         /// The slopes as they fell out.
         AsMeasured = "as-measured",
-    }
-}
-
-impl Frame {
-    /// The frame of a word.
-    pub(crate) fn from_word(word: &str) -> Option<Frame> {
-        let known = Frame::WORDS.iter().find(|(known, _)| *known == word);
-        known.map(|(_, frame)| *frame)
     }
 }
 
@@ -91,7 +103,7 @@ section! {
     #[derive(Clone, Debug, PartialEq)]
     pub struct Linear(section: &Section<'_>) {
         /// `x`, `y` or `z`
-        pub axis: Axis = with(own_axis), must "`x`, `y` or `z`";
+        pub axis: Axis = choice_by(&Axis::ALL.map(|axis| (axis.key(), axis)), IN_ANY_CASE), must "`x`, `y` or `z`";
         /// positioning error at the largest coordinate minus that at the smallest, µm, divided by their distance in m
         pub slope as slope_um_per_m: LinearSlope = with(linear_slope), must;
         /// its standard uncertainty (k = 1), e.g. 0.5; without this line a verdict is at most undecided
@@ -155,20 +167,13 @@ section! {
     }
 }
 
+const IN_ANY_CASE: fn(&str, &str) -> bool = str::eq_ignore_ascii_case;
 const SMALLEST_SIZE_MM: f64 = 1e-3; // below it a box is no volume of a machine tool
 const MOST_STEPS: u32 = 8_000; // eighty times the steps of any published measurement; four diagonals fit into one file
 const STEEPEST_UM_PER_M: f64 = 1e4; // 10 mm on a metre: no axis that still cuts is so long or short
 const ALPHAS_PER_K: RangeInclusive<f64> = -1e-4..=1e-4; // four times aluminium
-const TEMPERATURES_C: RangeInclusive<f64> = -10.0..=50.0; // nobody measures outside these; they refuse °F as well
+pub(crate) const TEMPERATURES_C: RangeInclusive<f64> = -10.0..=50.0; // nobody measures outside these; they refuse °F as well
 
-const ORDERS: [(&str, [Axis; 3]); 6] = [
-    ("XYZ", Axis::ORDERS[0]),
-    ("XZY", Axis::ORDERS[1]),
-    ("YXZ", Axis::ORDERS[2]),
-    ("YZX", Axis::ORDERS[3]),
-    ("ZXY", Axis::ORDERS[4]),
-    ("ZYX", Axis::ORDERS[5]),
-];
 const KINDS: [(&str, PathKind); 2] = [("step", PathKind::Step), ("straight", PathKind::Straight)];
 
 const STRAIGHT: &str = "`kind = \"straight\"`";
@@ -203,7 +208,8 @@ section! {
         steps: Option<u32> =
             count(1..=MOST_STEPS, "give the number of steps that each axis makes along a diagonal");
         /// in which the axes move
-        order: Option<[Axis; 3]> = choice_in_any_case(&ORDERS);
+        order: Option<[Axis; 3]> =
+            choice_by(&Axis::ORDERS.map(|order| (Axis::letters(&order), order)), IN_ANY_CASE);
     }
 }
 
@@ -263,10 +269,6 @@ fn linear(section: &Section<'_>, key: &'static str) -> Vec<Linear> {
     })
 }
 
-fn own_axis(section: &Section<'_>, key: &'static str) -> Option<Axis> {
-    section.choice_in_any_case(key, &Axis::ALL.map(|axis| (axis.key(), axis)))
-}
-
 /// The slope, or `errors`, a table of it.
 fn linear_slope(section: &Section<'_>, key: &'static str) -> Option<LinearSlope> {
     section.not_both("errors", key, "keep one");
@@ -287,24 +289,12 @@ fn slope(section: &Section<'_>, key: &'static str) -> Option<f64> {
 fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
     let beam = Beam::read(section)?;
     let (from, to) = (beam.from, beam.to);
-    let length = |axis: Axis| (to[axis] - from[axis]).mm().abs();
-    let is_short = |axis: &Axis| length(*axis) < SMALLEST_SIZE_MM;
+    let is_short = |axis: &Axis| (to[*axis] - from[*axis]).mm().abs() < SMALLEST_SIZE_MM;
     if Axis::ALL.iter().all(is_short) {
         section.refuse("to_mm", refusals::beam_of_one_place());
     }
-    refuse_unreachable(section, (from, to), axes, volume);
-    Some(beam)
-}
-
-/// Notes ends of a beam outside the travel, or outside the box of the diagonals along an axis that moves:
-/// what the shapes of the errors contribute to a beam is known inside it only.
-fn refuse_unreachable(
-    section: &Section<'_>,
-    (from, to): (Places, Places),
-    axes: &Axes,
-    volume: Option<&Volume>,
-) {
     for axis in Axis::ALL {
+        // Along an axis that moves the shapes of the errors are known inside the box only.
         let moves = volume.filter(|_| from[axis] != to[axis]);
         let boxed = moves.map(|v| (v.start[axis], v.start[axis] + v.size[axis]));
         let travel = axes[axis].map(|machine| (machine.low, machine.high));
@@ -314,6 +304,7 @@ fn refuse_unreachable(
             section.inside("to_mm", (axis, to[axis]), ends, what);
         }
     }
+    Some(beam)
 }
 
 #[cfg(test)]

@@ -51,21 +51,17 @@ section! {
 pub(super) type Axes = PerAxis<Option<MachineAxis>>;
 
 impl MachineAxis {
+    /// The tables are zero at the reference point: far from the travel, they would be zero nowhere on it.
     fn checked(section: &Section<'_>) -> Option<MachineAxis> {
         let axis = MachineAxis::read(section)?;
-        axis.refuse_far_reference(section);
-        Some(axis)
-    }
-
-    /// The tables are zero at the reference point: far from the travel, they would be zero nowhere on it.
-    fn refuse_far_reference(&self, section: &Section<'_>) {
-        let (low, high, reference) = (self.low.mm(), self.high.mm(), self.reference.mm());
-        let (outside, most) = ((low - reference).max(reference - high), self.reference_outside_mm);
+        let [low, high, reference] = [axis.low, axis.high, axis.reference].map(Millimetres::mm);
+        let (outside, most) = ((low - reference).max(reference - high), axis.reference_outside_mm);
         if outside > most {
             let (far, next) = (Millimetres::new(outside).shown(), outside.ceil());
             let problem = refusals::far_reference(reference, far, low, high, most, next);
             section.refuse("reference_mm", problem);
         }
+        Some(axis)
     }
 
     /// One without feed and direction of its return.
@@ -90,8 +86,7 @@ impl MachineAxis {
 
     /// Both ends of the travel, with the reference where it lies outside.
     pub(crate) fn reach(&self) -> (Millimetres, Millimetres) {
-        let mm = |place: Millimetres| place.mm();
-        let (low, high, reference) = (mm(self.low), mm(self.high), mm(self.reference));
+        let [low, high, reference] = [self.low, self.high, self.reference].map(Millimetres::mm);
         (Millimetres::new(low.min(reference)), Millimetres::new(high.max(reference)))
     }
 }

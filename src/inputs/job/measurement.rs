@@ -246,8 +246,7 @@ fn active_settings(section: &Section<'_>, active: &ActiveTables) -> Option<Activ
     section.only_with("active_terms_not_measured", is_named, path);
     section.only_with("active_reference", is_named, path);
     let is_stated = section.has("active_while_measuring"); // or is to be filled in
-    let none = "`active_while_measuring = …`";
-    section.only_with("active_backlash_um", is_stated, none);
+    section.only_with("active_backlash_um", is_stated, "`active_while_measuring = …`");
     ActiveSettings::read(section)
 }
 

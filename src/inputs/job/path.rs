@@ -45,18 +45,10 @@ impl Word for Language {
         &[("iso", Language::Iso), ("siemens", Language::Siemens)];
 }
 
-impl Word for WithoutPoint {
-    const WORDS: &'static [(&'static str, WithoutPoint)] =
-        &[("unit", WithoutPoint::Unit), ("increment", WithoutPoint::Increment)];
-}
-
-impl Word for G43WithoutH {
-    const WORDS: &'static [(&'static str, G43WithoutH)] = &[
-        ("refuse", G43WithoutH::Refuse),
-        ("last-h", G43WithoutH::LastH),
-        ("tool", G43WithoutH::Tool),
-    ];
-}
+const WITHOUT_POINT: [(&str, WithoutPoint); 2] =
+    [("unit", WithoutPoint::Unit), ("increment", WithoutPoint::Increment)];
+const G43_WITHOUT_H: [(&str, G43WithoutH); 3] =
+    [("refuse", G43WithoutH::Refuse), ("last-h", G43WithoutH::LastH), ("tool", G43WithoutH::Tool)];
 
 const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
 
@@ -74,22 +66,20 @@ fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
     };
     let start = inside("start_mm").unwrap_or(usual.start);
     let (tools, tool_names) = tools(section);
-    let language = section.choice("language", Language::WORDS).unwrap_or_default();
-    let second_reference = inside("second_reference_mm");
-    let systems = systems(section);
-    let inch = is_second("program_unit", "mm", "inch");
-    let without_point = section.choice("without_point", WithoutPoint::WORDS);
-    let g43_without_h = section.choice("g43_without_h", G43WithoutH::WORDS);
     Setup {
-        language,
         start,
-        second_reference,
-        systems,
         tools,
         tool_names,
-        inch,
-        without_point: without_point.unwrap_or(usual.without_point),
-        g43_without_h: g43_without_h.unwrap_or(usual.g43_without_h),
+        language: section.choice("language", Language::WORDS).unwrap_or_default(),
+        second_reference: inside("second_reference_mm"),
+        systems: systems(section),
+        inch: is_second("program_unit", "mm", "inch"),
+        without_point: section
+            .choice("without_point", &WITHOUT_POINT)
+            .unwrap_or(usual.without_point),
+        g43_without_h: section
+            .choice("g43_without_h", &G43_WITHOUT_H)
+            .unwrap_or(usual.g43_without_h),
         arc_mm: section.between("arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
         skip_deletable: is_second("block_delete", "execute", "skip"),
         ..usual
@@ -127,10 +117,8 @@ fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
 fn tools(section: &Section<'_>) -> (BTreeMap<u32, f64>, BTreeMap<String, u32>) {
     let (mut tools, mut names) = (BTreeMap::new(), BTreeMap::new());
     section.subs("tool", |entry| {
-        let number = "the number of the tool offset (H; T of Siemens)";
-        let length = "the length of the tool";
-        entry.require("number", number);
-        entry.require("length_mm", length);
+        entry.require("number", "the number of the tool offset (H; T of Siemens)");
+        entry.require("length_mm", "the length of the tool");
         let number = entry.count("number", 1..=MOST_TOOL_NUMBER, "H0 is no length");
         let length = entry.positive("length_mm");
         let length = length.and_then(|_| entry.between("length_mm", 0.0..=LONGEST_TOOL_MM, "mm"));

@@ -1,10 +1,10 @@
 //! `[program]`: the part programs of a measuring run (contract §2.5, docs/measuring.md).
 
-use crate::inputs::job::diagonals::{DiagonalMeasurement, Frame, Reflector, SetUp, volume};
+use crate::inputs::job::diagonals::{DiagonalMeasurement, Reflector, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
 use crate::inputs::refusals;
-use crate::quantity::{Axis, Direction, Millimetres, PathKind, Volume};
-use crate::text::{Places, Section, Word, section, words};
+use crate::quantity::{Axis, Millimetres, PathKind, Volume};
+use crate::text::{Places, Section, Word, once, section, words};
 use std::ops::RangeInclusive;
 
 words! {
@@ -68,7 +68,8 @@ section! {
         pub overrun as overrun_mm: Millimetres =
             with(|s, key| overrun(s, key, what, bidirectional));
         /// behind node 0 on every axis; default: overrun_mm, or 2 where that is 0
-        pub preload as preload_mm: Millimetres = with(length), or usual_preload(overrun);
+        pub preload as preload_mm: Millimetres = with(length),
+            or if overrun.mm() > 0.0 { overrun } else { Millimetres::new(DEFAULT_OVERRUN_MM) };
         /// The measured box, its division and the order of the moves in a cell.
         pub volume: Volume => measured_box(section, what, measurement), must;
         /// Key that the size of the box comes from, for problems.
@@ -78,7 +79,8 @@ section! {
         /// standstill at every node, 0.1 … 600; default 3
         pub dwell_s: f64 = between(0.1..=600.0, "s"), or DEFAULT_DWELL_S;
         /// 1 … 100; default 1, single axes 5
-        pub runs: u32 = count(1..=MOST_RUNS, "write a number of that range"), or usual_runs(what);
+        pub runs: u32 = count(1..=MOST_RUNS, "write a number of that range"),
+            or if what == Some(RunType::SingleAxis) { DEFAULT_ISO_RUNS } else { 1 };
         /// single axes: which, in the order of the programs
         pub axes: Vec<Axis> = with(|s, key| axes(s, key, what)), or Axis::ALL.to_vec();
         /// single axes: where the others rest; default: the middle of the box
@@ -140,18 +142,9 @@ impl ProgramRequest {
     /// The measurement of this run of diagonals, of which the job states nothing else; `None` = of single axes.
     pub(crate) fn measured(&self) -> Option<DiagonalMeasurement> {
         Some(DiagonalMeasurement {
-            readings: String::new(),
-            kind: self.what.path()?,
-            volume: self.volume.clone(),
-            laser_sign: Direction::Plus,
-            setup: SetUp::Solve,
-            frame: Frame::XPrimary,
             target: self.target,
             overrun: Some(self.overrun.mm() > 0.0),
-            linear: Vec::new(),
-            beams: Vec::new(),
-            material: None,
-            closure_errors: None,
+            ..DiagonalMeasurement::along(self.what.path()?, self.volume.clone())
         })
     }
 
@@ -196,13 +189,6 @@ const DEFAULT_ISO_RUNS: u32 = 5; // ISO 230-2, axes up to 2 m
 const LENGTHS_MM: RangeInclusive<f64> = 0.01..=100.0; // preload and shift: no machine has more to spare
 const MOST_RUNS: u32 = 100;
 const MOST_NUMBER: u32 = 9990; // four digits on every Fanuc control, with room for four programs
-
-const fn usual_runs(what: Option<RunType>) -> u32 {
-    match what {
-        Some(RunType::SingleAxis) => DEFAULT_ISO_RUNS,
-        _ => 1,
-    }
-}
 
 /// Notes a key that has no effect on runs of another kind.
 fn only_of(section: &Section<'_>, key: &'static str, what: Option<RunType>, own: RunType) {
@@ -250,10 +236,8 @@ fn target(what: Option<RunType>, measurement: Option<&Measurement>) -> Reflector
 fn axes(section: &Section<'_>, key: &'static str, what: Option<RunType>) -> Option<Vec<Axis>> {
     only_of(section, key, what, RunType::SingleAxis);
     let names = section.texts(key)?;
-    let axes = names.iter().filter_map(|name| Axis::from_letter(name));
-    let axes: Vec<Axis> = axes.collect();
-    let is_twice = |(n, axis): (usize, &Axis)| axes[..n].contains(axis);
-    if axes.is_empty() || axes.len() < names.len() || axes.iter().enumerate().any(is_twice) {
+    let axes: Vec<Axis> = names.iter().filter_map(|name| Axis::from_letter(name)).collect();
+    if axes.is_empty() || once(axes.clone()).len() < names.len() {
         section.refuse(key, refusals::other_axes());
     }
     Some(axes)
@@ -286,13 +270,6 @@ fn overrun(
         section.refuse(key, refusals::no_overrun());
     }
     Millimetres::new(overrun.unwrap_or(DEFAULT_OVERRUN_MM))
-}
-
-fn usual_preload(overrun: Millimetres) -> Millimetres {
-    match overrun.mm() > 0.0 {
-        true => overrun,
-        false => Millimetres::new(DEFAULT_OVERRUN_MM),
-    }
 }
 
 fn length(section: &Section<'_>, key: &'static str) -> Option<Millimetres> {

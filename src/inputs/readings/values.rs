@@ -6,19 +6,18 @@
 //! far corner, and what the forward runs read there belongs to another set of readings; so only
 //! its increments mean anything, and [`crate::inputs::readings::Readings::offset_known`] says so.
 
+use crate::inputs::job::TEMPERATURES_C;
 use crate::inputs::readings::{Row, Walk, Walked};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content};
 use crate::inputs::target_runs::Values;
-use crate::quantity::{Axis, Deviation, Direction, Millimetres, Pass, PerAxis, Run, UM_PER_MM};
+use crate::quantity::{Axis, Deviation, Direction, Pass, PerAxis, Run, UM_PER_MM, Volume, rounded};
 use crate::text::Problem;
 
 /// No machine tool is off by a centimetre: the readings or the job are not what they seem.
 const LARGEST_DEVIATION_UM: f64 = 1e4;
 /// Last digit of a laser's display: what still counts as zero.
 const ZERO_UM: f64 = 1e-3;
-/// Nobody measures outside these temperatures; they refuse degrees Fahrenheit as well.
-const TEMPERATURES_C: std::ops::RangeInclusive<f64> = -10.0..=50.0;
 
 impl Walked<'_, '_> {
     /// Measured − nominal displacement of a row in the direction that its walk counts, µm.
@@ -43,8 +42,7 @@ impl Walked<'_, '_> {
     }
 
     fn nominal_mm(&self, row: &Row<'_>, order: [Axis; 3]) -> f64 {
-        let mut volume = self.path.volume.clone();
-        volume.order = order;
+        let volume = Volume { order, ..self.path.volume.clone() };
         let nominal = |node| volume.nominal_mm(row.walk.diagonal, self.path.kind, node);
         match row.walk.is_own() {
             true => nominal(self.last) - nominal(self.last - row.node.min(self.last)),
@@ -80,7 +78,7 @@ impl Walked<'_, '_> {
         let (walk, node) = (row.walk, row.node);
         let read = row.um / UM_PER_MM;
         if self.values == Values::Deviations {
-            return refusals::no_such_deviation(walk, node, rounded(read));
+            return refusals::no_such_deviation(walk, node, rounded(read, 3));
         }
         let expected = self.signed(self.nominal_mm(row, self.path.volume.order));
         let is_turned = (read + expected).abs() * UM_PER_MM <= LARGEST_DEVIATION_UM;
@@ -92,7 +90,7 @@ impl Walked<'_, '_> {
             (None, true) => format!("the instrument counts the other way: write `laser_sign = \"{}\"` in the job", self.path.laser_sign.opposite()),
             (None, false) => "displacements are counted from the start of the forward run; check the unit in the column's name, and the box in the job".to_string(),
         };
-        refusals::other_displacement(walk, node, rounded(read), rounded(expected), help)
+        refusals::other_displacement(walk, node, rounded(read, 3), rounded(expected, 3), help)
     }
 
     /// Notes temperatures that are missing in part, or that the job does not say how to use.
@@ -175,9 +173,4 @@ impl Walked<'_, '_> {
             temperatures_c: PerAxis::from_fn(temperatures),
         }
     }
-}
-
-/// A number as a sentence shows it.
-fn rounded(number: f64) -> f64 {
-    Millimetres::new(number).shown()
 }

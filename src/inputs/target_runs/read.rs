@@ -75,8 +75,13 @@ impl Runs {
         }
         let runs: BTreeSet<(Direction, u32)> =
             readings.iter().map(|r| (r.direction, r.run)).collect();
+        // Every target needs every run that another target has.
         for (_, of_target) in &targets {
-            refuse_gaps(&layout, of_target, &runs);
+            let Some(first) = of_target.values().next() else { continue };
+            for (direction, run) in runs.iter().filter(|key| !of_target.contains_key(key)) {
+                let problem = || refusals::no_reading(first.target_mm(), run, direction);
+                notes.refuse_with(|| problem().at(first.line.cell_place(layout.target)));
+            }
         }
         // Without its neighbours a reading cannot be determined to be far.
         notes.end(())?;
@@ -172,21 +177,6 @@ fn twice(layout: &Layout<'_>, first: &Reading<'_>, second: &Reading<'_>) -> Prob
         Some(_) => format!("target {mm} mm, run {run} moving {way}"),
     };
     refusals::read_twice(what, first.line.number()).at(second.line.cell_place(layout.target))
-}
-
-/// Every target needs every run that another target has.
-fn refuse_gaps(
-    layout: &Layout<'_>,
-    of_target: &OfTarget<'_, '_>,
-    runs: &BTreeSet<(Direction, u32)>,
-) {
-    let Some(first) = of_target.values().next() else {
-        return;
-    };
-    for (direction, run) in runs.iter().filter(|key| !of_target.contains_key(key)) {
-        let problem = || refusals::no_reading(first.target_mm(), run, direction);
-        layout.table.notes.refuse_with(|| problem().at(first.line.cell_place(layout.target)));
-    }
 }
 
 /// Positions or deviations, as named or stated. Else the values are tried as both: they are

@@ -89,9 +89,11 @@ fn passes(
     diagonal: Diagonal,
 ) -> Option<Passes> {
     let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
+    let laser = volume.laser(diagonal);
+    // u · E(q), not zeroed; first order: beam and mirror along the diagonal.
     let along = |pass: &Pass| {
-        let error = |node: usize| error_at(machine, rehearsal, diagonal, *pass, node);
-        Some((*pass, volume.along_beam(diagonal, *kind, error)?))
+        let um = |node| Some(laser.dot(error_at(machine, rehearsal, diagonal, *pass, node)?));
+        Some((*pass, (0..=volume.last_node(*kind)).map(um).collect::<Option<_>>()?))
     };
     let passes = &Pass::BOTH[..=usize::from(rehearsal.both_directions)];
     let mut passes: Passes = passes.iter().map(along).collect::<Option<_>>()?;

@@ -157,12 +157,9 @@ impl<'a, 'b> Cells<'a, 'b> {
         line: Line<'a>,
         names: &'b [String],
         help: &'static str,
-    ) -> Result<Self, Problems> {
-        let mut problems = Problems::none();
-        match line.cells_under(names.len(), &mut problems) {
-            Some(cells) => Ok(Cells { line, names, cells, help, problems }),
-            None => Err(problems),
-        }
+    ) -> Result<Self, Problem> {
+        let cells = line.cells_under(names.len())?;
+        Ok(Cells { line, names, cells, help, problems: Problems::none() })
     }
 
     pub(super) fn text(&self, column: &str) -> String {

@@ -1,6 +1,6 @@
 //! A page of TOML: read, and its problems with their places.
 
-use super::section::{Notes, Section, empty_keys};
+use super::section::{Noted, Section, empty_keys};
 use crate::text::{
     LARGEST_PAGE, Place, Problem, Problems, Source, refuse_large_page, refused, shown,
 };
@@ -59,35 +59,27 @@ fn read_layers<T>(
     for text in &texts[1..] {
         lay_over(root.get_mut(), DeTable::parse_recoverable(text).0.into_inner());
     }
-    let notes = Notes::default();
-    let section = Section::root(&source, root.get_ref(), &notes);
+    let noted = Noted::default();
+    let section = Section::root(&source, root.get_ref(), &noted);
     let value = read(&section);
     section.refuse_unknown_keys();
     let mut empty = Vec::new();
     empty_keys(root.get_ref(), "", &mut empty);
     empty.retain(|(key, _)| needs(key));
-    let empty = empty.into_iter().map(|(_, span)| span).collect();
     section.note_all(to_be_filled_in(&source, empty));
-    if !notes.problems.borrow().is_empty() {
+    if !noted.problems.is_sound() {
         besides(&section);
     }
-    let (spots, problems) = (notes.spots.into_inner(), notes.problems.into_inner());
-    match value {
-        Some(value) if problems.is_empty() => {
-            source.spots = spots;
-            Ok((value, source))
-        }
-        None if problems.is_empty() => {
-            Err(Problem::new(format!("`{}` could not be read", source.name)).into())
-        }
-        _ => Err(problems),
-    }
+    noted.problems.end(())?;
+    source.spots = noted.spots.into_inner();
+    let unread = || Problem::new(format!("`{}` could not be read", source.name));
+    Ok((value.ok_or_else(unread)?, source))
 }
 
 /// All keys that are to be filled in, as one problem that shows their lines.
-fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
-    empty.sort_by_key(|span| span.start);
-    let mut places = empty.iter().map(|span| source.place(span));
+fn to_be_filled_in(source: &Source, mut empty: Vec<(String, Range<usize>)>) -> Problems {
+    empty.sort_by_key(|(_, span)| span.start);
+    let mut places = empty.iter().map(|(_, span)| source.place(span));
     let Some(first) = places.next() else {
         return Problems::none();
     };
@@ -111,9 +103,8 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
         }
         let message = error.message().lines().next().unwrap_or("not TOML");
         let span = error.span();
-        if let Some(comma) =
-            span.as_ref().and_then(|s| decimal_comma(&source.text, s.start, &mut last))
-        {
+        let start = span.as_ref().map_or(usize::MAX, |span| span.start);
+        if let Some(comma) = decimal_comma(&source.text, start, &mut last) {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
@@ -124,17 +115,13 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
             continue;
         }
         let written = span.clone().and_then(|span| source.text.get(span));
-        let problem = match (message, written) {
+        let mut problem = match (message, written) {
             ("duplicate key", Some(key)) => refused::key_twice(shown(key)),
-            _ if span.clone().is_some_and(|span| in_escape(&source.text, span.start)) => {
-                refused::escape()
-            }
+            _ if in_escape(&source.text, start) => refused::escape(),
             _ => refused::not_toml(message),
         };
-        problems.push(match span {
-            Some(span) => problem.at(source.place(&span)),
-            None => problem,
-        });
+        problem.place = span.map(|span| source.place(&span));
+        problems.push(problem);
     }
     problems
 }

@@ -1,6 +1,6 @@
 //! One section of a page, read key by key.
 
-use crate::text::{Problem, Problems, did_you_mean, nearest, once, refused, shown};
+use crate::text::{Notes, Problem, Problems, did_you_mean, nearest, once, refused, shown};
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
 use std::cell::RefCell;
@@ -21,7 +21,7 @@ pub struct Section<'a> {
     /// The path with the number of each entry of a list (`linear[1]`), by which places are kept.
     spot: Arc<str>,
     asked: RefCell<Vec<&'static str>>,
-    notes: &'a Notes,
+    noted: &'a Noted,
 }
 
 /// Endings of keys that are units of length.
@@ -29,7 +29,7 @@ const LENGTHS: [&str; 4] = ["um", "mm", "inch", "in"];
 
 impl<'a> Section<'a> {
     /// The page itself.
-    pub(super) fn root(source: &'a Source, table: &'a DeTable<'a>, notes: &'a Notes) -> Self {
+    pub(super) fn root(source: &'a Source, table: &'a DeTable<'a>, noted: &'a Noted) -> Self {
         Section {
             source,
             table,
@@ -37,7 +37,7 @@ impl<'a> Section<'a> {
             path: String::new(),
             spot: Arc::from(""),
             asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
-            notes,
+            noted,
         }
     }
 
@@ -52,7 +52,7 @@ impl<'a> Section<'a> {
     }
 
     /// Notes a problem at a key (or at the section, if the key is absent).
-    pub fn problem(&self, key: &str, message: impl Into<String>, help: impl Into<String>) {
+    pub fn problem(&self, key: &str, message: impl Into<String>, help: impl ToString) {
         self.refuse(key, Problem::new(message).help(help));
     }
 
@@ -71,32 +71,23 @@ impl<'a> Section<'a> {
 
     /// Notes problems of a file that the page names.
     pub(crate) fn note_all(&self, problems: Problems) {
-        self.notes.problems.borrow_mut().extend(problems);
+        self.noted.problems.with(|all| all.extend(problems));
     }
 
     fn note(&self, make: impl FnOnce() -> Problem) {
-        self.notes.problems.borrow_mut().push_with(make);
+        self.noted.problems.refuse_with(make);
     }
 
     /// The value of a key; of one that is to be filled in there is none.
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
         self.asked.borrow_mut().push(key);
         let value = self.table.get(key).filter(|value| !is_empty(value.get_ref()))?;
-        self.notes.spots.borrow_mut().push(Spot {
+        self.noted.spots.borrow_mut().push(Spot {
             section: Arc::clone(&self.spot),
             key,
             span: value.span(),
         });
         Some(value.get_ref())
-    }
-
-    fn wrong_type(&self, key: &str, expected: &str) {
-        let found = match self.table.get(key).map(Spanned::get_ref) {
-            Some(DeValue::Array(_)) => "a list".to_string(),
-            Some(DeValue::Table(_)) => "a section".to_string(),
-            _ => format!("`{}`", self.written(key)),
-        };
-        self.unexpected(key, &found, expected);
     }
 
     fn unexpected(&self, key: &str, found: &str, expected: &str) {
@@ -110,7 +101,7 @@ impl<'a> Section<'a> {
 
     /// Whether it stands for one that is not there.
     fn is_absent(&self) -> bool {
-        std::ptr::eq(self.table, &raw const self.notes.nothing)
+        std::ptr::eq(self.table, &raw const self.noted.nothing)
     }
 
     /// Notes that a required key is missing.
@@ -118,12 +109,13 @@ impl<'a> Section<'a> {
         if self.is_absent() {
             return;
         }
-        let place = if self.path.is_empty() {
-            format!("`{key}` is missing")
-        } else {
-            format!("`{key}` is missing in [{}]", self.path)
-        };
+        let place = format!("`{key}` is missing{}", self.within());
         self.note(|| refused::missing(place, expected, key).at(self.source.place(&self.span)));
+    }
+
+    /// Where its keys stand, in words.
+    fn within(&self) -> String {
+        if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) }
     }
 
     /// A sub-section that must be there.
@@ -168,19 +160,24 @@ impl<'a> Section<'a> {
         &self,
         key: &'static str,
         expected: &str,
-        read: impl FnOnce(&DeValue<'_>) -> Option<T>,
+        read: impl FnOnce(&'a DeValue<'a>) -> Option<T>,
     ) -> Option<T> {
-        let value = read(self.value(key)?);
+        let written = self.value(key)?;
+        let value = read(written);
         if value.is_none() {
-            self.wrong_type(key, expected);
+            let found = match written {
+                DeValue::Array(_) => "a list".to_string(),
+                DeValue::Table(_) => "a section".to_string(),
+                _ => format!("`{}`", self.written(key)),
+            };
+            self.unexpected(key, &found, expected);
         }
         value
     }
 
     /// A text, if the key is present.
     pub fn text(&self, key: &'static str) -> Option<String> {
-        let text = |value: &DeValue<'_>| Some(value.as_str()?.to_string());
-        self.typed(key, "a text in quotes", text)
+        self.typed(key, "a text in quotes", text_of)
     }
 
     /// A text that must be there.
@@ -256,25 +253,17 @@ impl<'a> Section<'a> {
         self.choice_by(key, words, |known, word| known == word)
     }
 
-    /// The same, in capitals or not.
-    pub(crate) fn choice_in_any_case<T: Copy>(
+    /// The same, by whatever two words have in common.
+    pub(crate) fn choice_by<T: Copy>(
         &self,
         key: &'static str,
-        words: &[(&'static str, T)],
-    ) -> Option<T> {
-        self.choice_by(key, words, str::eq_ignore_ascii_case)
-    }
-
-    fn choice_by<T: Copy>(
-        &self,
-        key: &'static str,
-        words: &[(&'static str, T)],
+        words: &[(impl AsRef<str>, T)],
         same: impl Fn(&str, &str) -> bool,
     ) -> Option<T> {
         let word = self.text(key)?;
-        let found = words.iter().find(|(known, _)| same(known, &word));
+        let found = words.iter().find(|(known, _)| same(known.as_ref(), &word));
         if found.is_none() {
-            let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+            let known: Vec<&str> = words.iter().map(|(known, _)| known.as_ref()).collect();
             let help = did_you_mean(&word, known.iter().copied(), "choose one of them");
             let (path, list) = (self.path_of(key), quoted(&known));
             self.refuse(key, refused::other_word(path, shown(&word), list, help));
@@ -291,9 +280,8 @@ impl<'a> Section<'a> {
 
     /// A list of texts, if the key is present.
     pub fn texts(&self, key: &'static str) -> Option<Vec<String>> {
-        let text = |value: &DeValue<'_>| Some(value.as_str()?.to_string());
         let expected = "a list of texts, e.g. [\"a\", \"b\"]";
-        self.typed(key, expected, |value| list_of(value, text))
+        self.typed(key, expected, |value| list_of(value, text_of))
     }
 
     /// A list of pairs of whole numbers, if the key is present.
@@ -306,43 +294,27 @@ impl<'a> Section<'a> {
 
     /// A sub-section, if it is present.
     pub fn section(&self, key: &'static str) -> Option<Section<'a>> {
-        self.value(key)?;
-        let entry = self.table.get(key)?;
-        match entry.get_ref() {
-            DeValue::Table(table) => {
-                let spot = joined(&self.spot, key);
-                Some(self.child(table, entry.span(), key, &spot))
-            }
-            _ => {
-                self.wrong_type(key, "a section");
-                None
-            }
-        }
+        let table = self.typed(key, "a section", DeValue::as_table)?;
+        let span = self.table.get(key)?.span();
+        Some(self.child(table, span, key, &joined(&self.spot, key)))
     }
 
     /// A list of sub-sections (`[[key]]`); empty if absent. The places of their keys are kept
     /// under `key[0]`, `key[1]` …
     pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
-        let items = match self.value(key) {
-            None => return Vec::new(),
-            Some(DeValue::Array(items)) if items.iter().all(|item| item.get_ref().is_table()) => {
-                items
-            }
-            Some(_) => {
-                self.wrong_type(key, "a list of sections");
-                return Vec::new();
-            }
-        };
+        let items = self.typed(key, "a list of sections", |value| {
+            value.as_array().filter(|items| items.iter().all(|item| item.get_ref().is_table()))
+        });
         let child = |(index, item): (usize, &'a Spanned<DeValue<'a>>)| {
             let spot = format!("{}[{index}]", joined(&self.spot, key));
             Some(self.child(item.get_ref().as_table()?, item.span(), key, &spot))
         };
-        items.iter().enumerate().filter_map(child).collect()
+        items.into_iter().flatten().enumerate().filter_map(child).collect()
     }
 
     /// A sub-section that is not there: no key of it is stated, and none is required.
     pub(crate) fn absent(&self, key: &str) -> Section<'a> {
-        self.child(&self.notes.nothing, self.span.clone(), key, &joined(&self.spot, key))
+        self.child(&self.noted.nothing, self.span.clone(), key, &joined(&self.spot, key))
     }
 
     fn child(
@@ -356,7 +328,7 @@ impl<'a> Section<'a> {
             span,
             path: self.path_of(key),
             spot: Arc::from(spot),
-            ..Section::root(self.source, table, self.notes)
+            ..Section::root(self.source, table, self.noted)
         }
     }
 
@@ -388,19 +360,19 @@ impl<'a> Section<'a> {
     }
 
     fn unknown_key(&self, name: &str, span: Range<usize>, known: &[&str]) -> Problem {
-        let unit = |name: &str| name.rsplit_once('_').map(|(_, unit)| unit.to_string());
-        let help = nearest(name, known.iter().copied()).map_or_else(
-            || format!("keys that are known here: {}", quoted(known)),
-            |near| match unit(near).filter(|own| LENGTHS.contains(&own.as_str())) {
-                Some(own) if unit(name).is_some_and(|other| other != own && LENGTHS.contains(&other.as_str())) => {
-                    format!("did you mean `{near}`? its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm")
-                }
-                _ => format!("did you mean `{near}`?"),
-            },
-        );
-        let section =
-            if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) };
-        refused::unknown_key(shown(name), section, help).at(self.source.place(&span))
+        let unit = |name: &str| {
+            let (_, end) = name.rsplit_once('_')?;
+            LENGTHS.into_iter().find(|unit| *unit == end)
+        };
+        let help = match nearest(name, known.iter().copied()) {
+            None => format!("keys that are known here: {}", quoted(known)),
+            Some(near) => {
+                let is_other = unit(near).zip(unit(name)).is_some_and(|(own, other)| own != other);
+                let units = " its unit is another: 1 mm = 1000 µm, 1 inch = 25.4 mm";
+                format!("did you mean `{near}`?{}", if is_other { units } else { "" })
+            }
+        };
+        refused::unknown_key(shown(name), self.within(), help).at(self.source.place(&span))
     }
 }
 
@@ -430,6 +402,10 @@ pub(super) fn empty_keys(table: &DeTable<'_>, path: &str, found: &mut Vec<(Strin
     }
 }
 
+fn text_of(value: &DeValue<'_>) -> Option<String> {
+    value.as_str().map(str::to_string)
+}
+
 fn number_of(value: &DeValue<'_>) -> Option<f64> {
     let text = match value {
         DeValue::Float(float) => float.as_str(),
@@ -446,9 +422,10 @@ fn list_of<T>(value: &DeValue<'_>, read: impl Fn(&DeValue<'_>) -> Option<T>) -> 
     items.map(|item| read(item.get_ref())).collect()
 }
 
+/// What is noted of a page while it is read.
 #[derive(Default)]
-pub(super) struct Notes {
-    pub(super) problems: RefCell<Problems>,
+pub(super) struct Noted {
+    pub(super) problems: Notes,
     pub(super) spots: RefCell<Vec<Spot>>,
     /// A section that is not there.
     nothing: DeTable<'static>,

@@ -44,11 +44,11 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
         let settings = task.job.compensation.axes[axis].as_ref();
         let path = format!("compensation.axes.{}", axis.key());
         if moves && settings.is_none_or(|s| s.grid.is_none()) {
-            problems.push(task.job.at(&path, without_grid(axis, &path)));
+            problems.push(task.job.source.at(&path, without_grid(axis, &path)));
         }
         let unit_missing = settings.is_none_or(|s| s.detection_unit_um.is_none());
         if (moves || corrected) && task.profile.detection_unit_required.value && unit_missing {
-            problems.push(task.job.at(&path, without_unit(&path, &task.profile.name)));
+            problems.push(task.job.source.at(&path, without_unit(&path, &task.profile.name)));
         }
         if corrected && task.job.machine.axes[axis].is_none() {
             problems.push(

@@ -253,7 +253,7 @@ impl SetUpProgram {
 }
 
 /// A problem at a key of the job's `[program]`.
-pub(super) fn problem(job: &Job, path: &str, message: String, help: impl Into<String>) -> Problem {
+pub(super) fn problem(job: &Job, path: &str, message: String, help: impl ToString) -> Problem {
     job.problem_at(path, message).help(help)
 }
 
