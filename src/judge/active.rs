@@ -34,7 +34,7 @@ use crate::inputs::job::Job;
 use crate::judge::family::family;
 use crate::judge::findings::InControl;
 use crate::quantity::{Axis, PerAxis};
-use crate::read::read_out_text;
+use crate::read::{file_name, read_out_text};
 use crate::text::{Problem, Problems, Severity};
 use crate::write::plan::axis_names;
 use std::borrow::Cow;
@@ -132,8 +132,7 @@ fn one_backlash(
 fn stands_apart(profile: &Profile, name: &str) -> bool {
     let apart = |role: Role| role.stands_apart() || role == Role::Checklist;
     let mut own = profile.files.iter().filter(|file| apart(file.role));
-    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    own.any(|file| file.is_called(name))
+    own.any(|file| file.is_called(file_name(name)))
 }
 
 /// The files as text, but those of a kit that are never loaded with its tables.

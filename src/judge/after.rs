@@ -22,7 +22,7 @@ pub(crate) use self::observation::observations;
 pub use self::observation::{Observation, Part, before_um};
 
 use self::ground::ensure_common_ground;
-use crate::inputs::error_table::{Cause, Silence, Sizes};
+use crate::inputs::error_table::Cause;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
 use crate::judge::field::Field;
@@ -31,7 +31,7 @@ use crate::judge::forecast::{
     Basis, DiagonalForecast, Forecast, Machine, forecast, judged_ranges, range_of,
 };
 use crate::machine::model::ErrorModel;
-use crate::quantity::{Axis, Diagonal, ErrorTerm, PerAxis, smaller};
+use crate::quantity::{Axis, Diagonal, ErrorTerm, smaller};
 use crate::text::{Finding, Problems};
 use crate::write::plan::Plan;
 use serde::Serialize;
@@ -191,23 +191,16 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
         let values: usize = own.map(|walk| walk.um.len()).sum();
         let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
-        DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um, scale_um)
-            .drawn(None, between.diagonals[diagonal])
+        let (name, doubtful_um) = (diagonal.name(), between.diagonals[diagonal]);
+        DiagonalForecast::new(name, [*range; 2], sigma, &u_um, scale_um, None, doubtful_um)
     };
     let walked = |axis| range_of(job, axis, &runs.volume.positions(axis));
     Forecast {
         basis: Basis::Measured,
         sigma,
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
-        silence: Silence::default(),
-        largest: None,
-        measured: None,
-        doubtful: Sizes::default(),
-        terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
-        unmeasured: PerAxis::default(),
-        not_determined: Vec::new(),
-        without_reversal_um: None,
+        ..Forecast::default()
     }
 }
 

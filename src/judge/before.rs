@@ -4,6 +4,7 @@ use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, Held, Origin};
 use crate::quantity::Axis;
 use crate::read::siemens::MachineDatum;
+use crate::text::grouped;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, Task};
 
@@ -72,20 +73,11 @@ pub(crate) enum ChangedBy {
     Nobody,
 }
 
-/// What no file that was read out holds of a datum that the kit changes: its name, which of those of
-/// this name, and by whom it is changed.
-pub(crate) type Lacking = (String, String, ChangedBy);
-
-/// One name for all data of a kind: `MD32700 $MA_ENC_COMP_ENABLE[0,AX1], [0,AX2]`.
-pub(crate) fn unknown(lacking: impl IntoIterator<Item = Lacking>) -> Vec<Unknown> {
-    let mut groups: Vec<(String, ChangedBy, Vec<String>)> = Vec::new();
-    for (name, index, by) in lacking {
-        match groups.iter_mut().find(|group| group.0 == name && group.1 == by) {
-            Some(group) => group.2.push(index),
-            None => groups.push((name, by, vec![index])),
-        }
-    }
-    let named = |(name, by, indices): (String, ChangedBy, Vec<String>)| Unknown {
+/// One name for all data of a kind: `MD32700 $MA_ENC_COMP_ENABLE[0,AX1], [0,AX2]`. `lacking`: of each its name, which of
+/// those of this name, and by whom it is changed.
+pub(crate) fn unknown(lacking: Vec<(String, String, ChangedBy)>) -> Vec<Unknown> {
+    let groups = grouped(lacking.into_iter().map(|(name, index, by)| ((name, by), index)));
+    let named = |((name, by), indices): ((String, ChangedBy), Vec<String>)| Unknown {
         what: name + &indices.join(", "),
         by,
     };

@@ -58,7 +58,7 @@ pub struct Magnitude {
 }
 
 /// How the σ behind the uncertainties is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sigma {
     /// Degrees of freedom of its estimate; `None` = it is known.
     freedom: Option<f64>,
@@ -97,11 +97,8 @@ impl Sigma {
     /// Estimates of σ in units of the true one, each with its weight. Small estimates decide, so
     /// they lie denser: at probabilities p = t², t spread evenly.
     fn estimates(self) -> Vec<(f64, f64)> {
-        let spread = self.freedom.and_then(|freedom| {
-            let spread = ChiSquared::new(freedom).ok()?;
-            Some((freedom, spread))
-        });
-        let Some((freedom, spread)) = spread else {
+        let spread = |freedom| Some((freedom, ChiSquared::new(freedom).ok()?));
+        let Some((freedom, spread)) = self.freedom.and_then(spread) else {
             return vec![(1.0, 1.0)];
         };
         let estimate = |index: u32| {
@@ -113,18 +110,14 @@ impl Sigma {
     }
 }
 
-/// U of the largest figure, µm: with at least 95 % no true figure exceeds the largest one by more.
+/// U of the largest figure, µm: with at least 95 % no true figure exceeds the largest one by more. `largest_um`: by how
+/// much the largest error of all may be off, where that is known besides: whatever the figures, |figure + error| is at
+/// most the largest of each together.
 ///
 /// formula  smallest U with mean over σ of Π_i P(|e_i| ≤ largest + U − |figure_i|) = 0.95
 /// limits   0 without figures and without uncertainty
-pub fn expanded_um(figures: &[Magnitude], sigma: Sigma) -> f64 {
-    expanded_at(figures, sigma, CONFIDENCE)
-}
-
-/// The same where it is known besides by how much the largest error of all may be off: whatever the figures,
-/// |figure + error| is at most the largest of each together.
-pub fn expanded_together(figures: &[Magnitude], sigma: Sigma, largest_um: Option<f64>) -> f64 {
-    let own = expanded_um(figures, sigma);
+pub fn expanded_um(figures: &[Magnitude], sigma: Sigma, largest_um: Option<f64>) -> f64 {
+    let own = expanded_at(figures, sigma, CONFIDENCE);
     largest_um.map_or(own, |largest_um| own.min(largest_um))
 }
 
@@ -163,7 +156,7 @@ fn root(of: impl Fn(f64) -> f64, mut high: f64, precision: f64) -> f64 {
 }
 
 /// A forecast: pass if all figures keep the limit with 95 % together, fail if one exceeds it with 95 %.
-/// `together_um`: see [`expanded_together`].
+/// `together_um`: see [`expanded_um`].
 pub(crate) fn judge_forecast(
     figures: &[Magnitude],
     sigma: Sigma,
@@ -190,16 +183,26 @@ pub(crate) fn judge_measured(
     beyond_um: Option<f64>,
     limit_um: f64,
 ) -> Verdict {
-    let (one_sided, joint) = (sigma.one_sided(), sigma.joint(figures.len()));
-    let singly = || figures.iter().map(|f| f.um + one_sided * f.u_um).fold(0.0, larger);
-    let at_most_um = beyond_um.map_or_else(singly, |um| largest_um(figures) + um);
-    if at_most_um <= limit_um {
+    let joint = sigma.joint(figures.len());
+    if measured_at_most_um(figures, sigma, beyond_um) <= limit_um {
         Verdict::Pass
     } else if figures.iter().any(|f| f.um - joint * f.u_um > limit_um) {
         Verdict::Fail
     } else {
         Verdict::Undecided
     }
+}
+
+/// What measured figures are at most, each by itself with 95 %, µm: the largest of value + 1.645 u, Student's where σ
+/// was estimated. `beyond_um`: see [`judge_measured`].
+pub(super) fn measured_at_most_um(
+    figures: &[Magnitude],
+    sigma: Sigma,
+    beyond_um: Option<f64>,
+) -> f64 {
+    let one_sided = sigma.one_sided();
+    let singly = || figures.iter().map(|f| f.um + one_sided * f.u_um).fold(0.0, larger);
+    beyond_um.map_or_else(singly, |um| largest_um(figures) + um)
 }
 
 /// The largest of them, µm; 0 where there is none.
@@ -265,14 +268,14 @@ mod tests {
             assert_eq!(judge_forecast(&figures, KNOWN, None, limit), verdict);
             assert_eq!(judge_measured(&figures, KNOWN, None, limit), verdict);
         }
-        assert_eq!(expanded_um(&figures, KNOWN).to_bits(), 0.0_f64.to_bits());
+        assert_eq!(expanded_um(&figures, KNOWN, None).to_bits(), 0.0_f64.to_bits());
     }
 
     #[test]
     fn a_forecast_is_judged_by_the_very_u_that_is_printed() {
         let figures: Vec<Magnitude> =
             (0..30).map(|i| Magnitude { um: f64::from(i) / 30.0, u_um: 0.4 }).collect();
-        let bound = largest_um(&figures) + expanded_um(&figures, KNOWN);
+        let bound = largest_um(&figures) + expanded_um(&figures, KNOWN, None);
         assert_eq!(judge_forecast(&figures, KNOWN, None, bound * 1.0001), Verdict::Pass);
         assert_eq!(judge_forecast(&figures, KNOWN, None, bound * 0.9999), Verdict::Undecided);
     }

@@ -50,13 +50,11 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Di
         asked.pairs().map(|(_, own)| (own.base.clone(), own.output.clone())).collect();
     let connected = found.connected_axes().into_iter();
     for (base, output) in connected.filter(|(base, output)| !holds(&known, base, output)) {
-        let (moving, corrected) = (base.clone(), output.clone());
-        let foreign = Difference::ForeignAxis { base, output };
-        diagnosis.tell(foreign, &moving, &corrected);
+        let axes = (base.clone(), output.clone());
+        diagnosis.tell(Difference::ForeignAxis { base, output }, &axes.0, &axes.1);
     }
-    for (what, how) in angles(plan, expected, found) {
-        let values = Difference::OtherValues { table: what, values: vec![how] };
-        diagnosis.tell(values, "", "");
+    for (table, how) in angles(plan, expected, found) {
+        diagnosis.tell(Difference::OtherValues { table, values: vec![how] }, "", "");
     }
     diagnosis
 }

@@ -29,6 +29,11 @@ impl Pair {
         &self.ways[usize::from(direction == Direction::Minus)]
     }
 
+    /// The same with straight lines between the nodes, where a control steps.
+    pub(super) fn straightened(&self) -> Pair {
+        Pair { ways: self.ways.each_ref().map(Response::straightened), ..self.clone() }
+    }
+
     pub(super) fn tables(&self) -> impl Iterator<Item = &NodeTable> {
         self.ways.iter().flat_map(Response::tables)
     }
@@ -90,11 +95,7 @@ impl Field {
 
     /// The same with straight lines between the nodes, where a control steps.
     pub(super) fn straightened(&self) -> Field {
-        let straight = |pair: &Pair| Pair {
-            ways: [0, 1].map(|way| pair.ways[way].straightened()),
-            ..pair.clone()
-        };
-        Field(PerTerm::from_fn(|term| self.0[term].iter().map(straight).collect()))
+        Field(PerTerm::from_fn(|term| self.0[term].iter().map(Pair::straightened).collect()))
     }
 
     /// The correction of an error while its axis moves in a direction.

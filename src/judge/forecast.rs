@@ -19,13 +19,13 @@ pub(crate) use self::figures::Missed;
 pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, TermForecast};
 pub(crate) use self::reasons::terms_words;
 pub use self::reasons::{Grounds, Miss, Of, RestsOn};
-use self::share::within;
 pub use self::share::{JudgedRange, Machine};
+use self::share::{Range, within};
 pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm};
 
-use crate::judge::conformity::{Magnitude, Sigma, expanded_together, largest_um};
+use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::judge::field::Field;
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, larger};
 use crate::read::emulate::Response;
 use crate::write::grid::EDGE_MM;
@@ -47,20 +47,19 @@ pub fn forecast(
     for (term, measured) in model.measured() {
         let left = |control| residuals(machine, control, term, judged[term.along]);
         let figures = left(control);
-        let u_um = measured.u_um();
+        let (u_um, after_um) = (measured.u_um(), largest_um(&figures));
         terms.push(TermForecast {
             term,
             change: Change {
                 before_um: measured.largest_within_um(judged[term.along]),
-                after_um: largest_um(&figures),
-                comparable_um: match &comparable {
-                    Some(lines) => largest_um(&left(lines)),
-                    None => largest_um(&figures),
-                },
+                after_um,
+                comparable_um: comparable
+                    .as_ref()
+                    .map_or(after_um, |lines| largest_um(&left(lines))),
                 u_um,
                 expanded_um: u_um.map(|_| {
                     let largest_um = largest.map(|largest| largest.single.terms[term]);
-                    expanded_together(&figures, sigma, largest_um)
+                    expanded_um(&figures, sigma, largest_um)
                 }),
                 at_most_um: None,
             },
@@ -108,34 +107,34 @@ fn residuals(
     machine: Machine<'_>,
     control: &Field,
     term: ErrorTerm,
-    judged: Option<(Millimetres, Millimetres)>,
+    judged: Option<Range>,
 ) -> Vec<Magnitude> {
-    let mut figures: Vec<(Option<Direction>, Cell, f64)> = Vec::new();
+    let mut figures: Vec<(Cell, f64)> = Vec::new();
     for direction in Direction::BOTH {
-        let Some((measured, curve)) = machine.curves(term, direction) else {
+        let known = machine.as_measured.terms[term].as_ref();
+        let Some((known, (measured, curve))) = known.zip(machine.curves(term, direction)) else {
             continue;
         };
-        let range = within(measured.measured_range(), judged);
-        let known = machine.as_measured.terms[term].as_ref();
-        let cells = known.map_or_else(Vec::new, |known| cells(known, direction, range));
+        let cells = cells(known, direction, within(measured.measured_range(), judged));
         for response in control.ways(term, direction) {
-            for (way, cell) in &cells {
+            for cell in &cells {
                 let um = largest_in(curve, response, *cell);
-                let same = figures.iter_mut().find(|(w, c, _)| w == way && c == cell);
-                match same {
-                    Some((_, _, largest)) => *largest = larger(*largest, um),
-                    None => figures.push((*way, *cell, um)),
+                match figures.iter_mut().find(|(known, _)| known == cell) {
+                    Some((_, largest)) => *largest = larger(*largest, um),
+                    None => figures.push((*cell, um)),
                 }
             }
         }
     }
-    let figure = |(_, cell, um): (_, Cell, f64)| Magnitude { um, u_um: cell.u_um };
+    let figure = |(cell, um): (Cell, f64)| Magnitude { um, u_um: cell.u_um };
     figures.into_iter().map(figure).collect()
 }
 
 /// The stretch of a curve that a measured position stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cell {
+    /// In which it was measured.
+    way: Option<Direction>,
     from: Millimetres,
     to: Millimetres,
     u_um: f64,
@@ -143,45 +142,32 @@ struct Cell {
 
 /// Half-way to the neighbouring positions on either side; the whole range where no uncertainty is
 /// stated.
-fn cells(
-    known: &MeasuredTerm,
-    direction: Direction,
-    (from, to): (Millimetres, Millimetres),
-) -> Vec<(Option<Direction>, Cell)> {
+fn cells(known: &MeasuredTerm, direction: Direction, (from, to): Range) -> Vec<Cell> {
     let own = |way: Option<Direction>| way.is_none_or(|way| way == direction);
     let points = known.uncertainty.iter().filter(|p| own(p.direction));
     let points: Vec<_> = points.collect();
     if points.is_empty() {
-        let u_um = 0.0;
-        return vec![(None, Cell { from, to, u_um })];
+        return vec![Cell { way: None, from, to, u_um: 0.0 }];
     }
     let middle = |index: usize| {
         let (a, b) = (points[index].at, points[index + 1].at);
         Millimetres::new(f64::midpoint(a.mm(), b.mm()))
     };
-    let mut cells = Vec::with_capacity(points.len());
-    for (index, point) in points.iter().enumerate() {
+    let cell = |(index, point): (usize, &&PointUncertainty)| {
         let low = if index == 0 { from } else { middle(index - 1) };
         let high = if index + 1 == points.len() { to } else { middle(index) };
         let (low, high) = within((low, high), Some((from, to)));
-        if low < high {
-            let cell = Cell { from: low, to: high, u_um: point.u_um };
-            cells.push((point.direction, cell));
-        }
-    }
-    cells
+        let (way, u_um) = (point.direction, point.u_um);
+        (low < high).then_some(Cell { way, from: low, to: high, u_um })
+    };
+    points.iter().enumerate().filter_map(cell).collect()
 }
 
 /// Largest |deviation + correction| on a stretch, µm.
 fn largest_in(curve: &ErrorCurve, response: &Response, cell: Cell) -> f64 {
     let mut largest = 0.0;
-    for stretch in response.stretches(cell.from, cell.to) {
-        let (low, high) = curve.extremes_against_line(
-            stretch.from,
-            stretch.to,
-            stretch.at_from.um(),
-            stretch.at_to.um(),
-        );
+    for [(from, start), (to, end)] in response.stretches(cell.from, cell.to) {
+        let (low, high) = curve.extremes_against_line(from, to, start.um(), end.um());
         largest = larger(largest, larger(high, -low));
     }
     for end in [cell.from, cell.to] {
@@ -197,7 +183,7 @@ fn largest_in(curve: &ErrorCurve, response: &Response, cell: Cell) -> f64 {
 /// both its values there.
 const AT_THE_END_MM: f64 = 1e-9;
 
-fn unmeasured(model: &ErrorModel, plan: &Plan, axis: Axis) -> Vec<(Millimetres, Millimetres)> {
+fn unmeasured(model: &ErrorModel, plan: &Plan, axis: Axis) -> Vec<Range> {
     let (Some(grid), Some((low, high))) = (plan.grids[axis], model.ranges[axis]) else {
         return Vec::new();
     };

@@ -20,21 +20,17 @@ impl Family for IsgFacts {
 
     fn entries(&self, side: &Side<'_>) -> Entries {
         let tables = own(side.tables);
-        let name = |axis: Axis| {
-            let number = tables.axes[axis];
-            number.map_or(String::new(), |number| number.to_string())
-        };
+        let name = |axis: Axis| tables.axes[axis].map_or(String::new(), |own| own.to_string());
         let letters = |chosen: PerAxis<bool>| {
             let chosen = Axis::ALL.into_iter().filter(|axis| chosen[*axis]);
             Axis::letters(&chosen.collect::<Vec<Axis>>())
         };
         let axes = Axis::ALL.map(|axis| (axis.to_string(), name(axis)));
         let settings = [
-            ("chain", Axis::letters(&tables.chain)),
-            ("negate", letters(tables.negated)),
-            ("set_to_zero", letters(tables.zeroed)),
+            ("chain".to_string(), Axis::letters(&tables.chain)),
+            ("negate".to_string(), letters(tables.negated)),
+            ("set_to_zero".to_string(), letters(tables.zeroed)),
         ];
-        let settings = settings.map(|(key, value)| (key.to_string(), value));
         let stated = axes.into_iter().chain(settings);
         let stated = stated.map(|(key, value)| {
             let item = ("list".to_string(), Item::Name(key));
@@ -42,10 +38,8 @@ impl Family for IsgFacts {
         });
         let of_curve = |curve: &Curve| {
             let block = curve.parameter.to_string();
-            let told = match curve.parameter.pair() {
-                Some((base, output)) => side.tells(&name(base), &name(output)),
-                None => true,
-            };
+            let pair = curve.parameter.pair();
+            let told = pair.is_none_or(|(base, output)| side.tells(&name(base), &name(output)));
             let points = (0_u32..).zip(curve.points.clone());
             points.map(move |(index, point)| {
                 let numbers = [point.position, point.value].map(Some).to_vec();

@@ -15,7 +15,7 @@ use crate::text::Problems;
 impl Family for LinuxcncFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let mut found = read(reading.texts, self)?;
-        reading.findings.extend(found.not_named());
+        reading.findings.append(&mut found.notes);
         let held = Held::plain(Tables::Listed(found.tables.clone()));
         check_homes(reading, &found);
         tell_others(self, reading, &mut found.tables);

@@ -14,7 +14,7 @@ use crate::control::table::Tables;
 use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
 use crate::judge::active::{Found, Others, ReadOutReader};
 use crate::judge::before::{Before, ChangedBy, Old, unknown};
-use crate::judge::disagreement::entries::{Entries, Value, table};
+use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::{Difference, InControl};
 use crate::quantity::Axis;
@@ -52,17 +52,27 @@ impl Family for SiemensFacts {
         let mut entries = Entries::new();
         for own in &own(side.tables).tables {
             let SiemensTable { place, input_axis: moving, output_axis: output, .. } = own;
-            let (mut name, mut told) = (place.name(), (true, !explained(own)));
+            let (mut name, mut alone, mut differing) = (place.name(), true, !explained(own));
             if let Some(system) = place.lec() {
                 // A table of the other measuring system is told as such (`measuring_systems`).
                 let is_other = |other: (&String, u32)| other.0 == system.0 && other != system;
-                told.1 &= !others.tables.iter().filter_map(|t| t.place.lec()).any(is_other);
-                told.0 = told.1;
+                differing &= !others.tables.iter().filter_map(|t| t.place.lec()).any(is_other);
+                alone = differing;
             } else {
                 name += &format!(" ({output} while {moving} moves)");
-                told.1 &= !others.at(place).is_some_and(explained);
+                differing &= !others.at(place).is_some_and(explained);
             }
-            table(&mut entries, &name, &fields(own), &own.values, told);
+            let fields = fields(own).into_iter();
+            let fields =
+                fields.map(|(field, value)| (Item::Name(field.to_string()), Value::Text(value)));
+            let values = (0..).zip(&own.values);
+            let values =
+                values.map(|(point, value)| (Item::Point(point), Value::Numbers(vec![*value])));
+            entries.extend(
+                fields.chain(values).map(|(item, value)| {
+                    ((name.clone(), item), Entry::of(value, alone, differing))
+                }),
+            );
         }
         entries
     }
@@ -124,13 +134,6 @@ fn fields(table: &SiemensTable) -> Vec<(&'static str, String)> {
 /// In which order the rollback sets machine data: what makes tables act comes last.
 const ORDER: [Datum; 6] = [BACKLASH, CEC_LIMIT, WEIGHT, LEC_ON, TABLE_ON, CEC_ON];
 
-/// A machine or setting datum that a kit changes.
-struct Changed {
-    datum: Datum,
-    index: String,
-    by: ChangedBy,
-}
-
 /// Of the tables of a kit, of those held and of those that acted.
 fn old(before: &Before<'_>, [kit, held, acted]: [&SiemensTables; 3]) -> Result<Old, Vec<String>> {
     let (mut tables, mut missing, mut stays) = (Vec::new(), Vec::new(), Vec::new());
@@ -155,7 +158,7 @@ fn old(before: &Before<'_>, [kit, held, acted]: [&SiemensTables; 3]) -> Result<O
         return Err(missing);
     }
     let (mut data, mut lacking) = (Vec::new(), Vec::new());
-    for Changed { datum: of, index, by } in changed(before, kit, acted) {
+    for (of, index, by) in changed(before, kit, acted) {
         match datum(&before.held.data, &variable(of, &index)) {
             Some(found) => data.push(found.clone()),
             None if by == Nobody => {}
@@ -166,16 +169,20 @@ fn old(before: &Before<'_>, [kit, held, acted]: [&SiemensTables; 3]) -> Result<O
     Ok(Old { tables, data, unknown: unknown(lacking), stays })
 }
 
-/// All machine data that change when the kit is loaded as its checklist says, each once.
-fn changed(before: &Before<'_>, kit: &SiemensTables, acted: &SiemensTables) -> Vec<Changed> {
-    let mut all: Vec<Changed> = Vec::new();
+/// All machine and setting data that change when the kit is loaded as its checklist says, each once.
+fn changed(
+    before: &Before<'_>,
+    kit: &SiemensTables,
+    acted: &SiemensTables,
+) -> Vec<(Datum, String, ChangedBy)> {
+    let mut all: Vec<(Datum, String, ChangedBy)> = Vec::new();
     let mut add = |datum: Datum, index: String, by: ChangedBy| match all
         .iter_mut()
-        .find(|known| known.datum == datum && known.index == index)
+        .find(|(of, at, _)| *of == datum && *at == index)
     {
-        Some(known) if known.by == Nobody => known.by = by,
+        Some((.., known)) if *known == Nobody => *known = by,
         Some(_) => {}
-        None => all.push(Changed { datum, index, by }),
+        None => all.push((datum, index, by)),
     };
     for table in &kit.tables {
         switches(table).into_iter().for_each(|(datum, index)| add(datum, index, File));
@@ -203,7 +210,6 @@ fn changed(before: &Before<'_>, kit: &SiemensTables, acted: &SiemensTables) -> V
             }
         }
     }
-    let place = |c: &Changed| ORDER.iter().position(|datum| *datum == c.datum);
-    all.sort_by_key(place);
+    all.sort_by_key(|(of, ..)| ORDER.iter().position(|datum| datum == of));
     all
 }

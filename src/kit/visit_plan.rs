@@ -21,7 +21,6 @@ pub use self::variant::{Share, Variant, Visit};
 pub(crate) use self::what_decides::Judged;
 pub use self::what_decides::{Act, Measured, WhatDecides};
 use crate::judge::findings::joined;
-use crate::judge::forecast::JudgedRange;
 use crate::quantity::{Axis, PerAxis};
 use crate::text::{Finding, Problems, findings};
 
@@ -195,8 +194,8 @@ impl Design<'_> {
 impl Visit {
     /// What this visit leaves open or mixed up, the gravest first.
     pub(crate) fn shortcomings(&self) -> Vec<Finding> {
-        let ranges = self.forecast.ranges.iter().filter_map(JudgedRange::missing);
-        let ranges = ranges.map(|words| Assumed::NotCounted { words }.into());
+        let ranges = self.forecast.ranges.iter().filter(|range| !range.is_known());
+        let ranges = ranges.map(|range| Assumed::NotCounted { words: range.missing() }.into());
         let missing = self.expected.missing();
         let no_u = joined(self.open.iter().filter(|term| !missing.contains(term)));
         let no_u = (!no_u.is_empty()).then(|| Assumed::NoU { terms: no_u }.into());

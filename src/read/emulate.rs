@@ -19,6 +19,11 @@ pub struct CannotEmulate(pub String);
 /// What an emulator tells, or why it cannot.
 pub type Emulated<T> = Result<T, CannotEmulate>;
 
+/// The same in words.
+pub(super) fn cannot<T>(words: impl Into<String>) -> Emulated<T> {
+    Err(CannotEmulate(words.into()))
+}
+
 /// What a control does between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Between {
@@ -97,10 +102,8 @@ impl NodeTable {
 
     /// Nodes as position and correction.
     pub fn nodes(&self) -> impl Iterator<Item = (Millimetres, Correction)> {
-        self.values_um
-            .iter()
-            .enumerate()
-            .map(|(index, um)| (Millimetres::new(self.node_mm(index)), Correction::from_um(*um)))
+        let values = self.values_um.iter().enumerate();
+        values.map(|(index, um)| (Millimetres::new(self.node_mm(index)), Correction::from_um(*um)))
     }
 
     /// The correction at a position.
@@ -125,13 +128,8 @@ impl NodeTable {
         let inside = u - section as f64;
         Correction::from_um(match self.between {
             Between::Linear => low + inside * (high - low),
-            Between::Step { fraction } => {
-                if inside >= fraction {
-                    high
-                } else {
-                    low
-                }
-            }
+            Between::Step { fraction } if inside >= fraction => high,
+            Between::Step { .. } => low,
             Between::Pulses { pulse_um } => {
                 let pulses = (high - low) / pulse_um;
                 low + pulse_um * pulses.signum() * (inside * pulses.abs() + 0.5).floor()
@@ -181,18 +179,9 @@ impl NodeTable {
     }
 }
 
-/// A stretch of the base axis on which a correction is one straight line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Where it begins.
-    pub from: Millimetres,
-    /// Where it ends.
-    pub to: Millimetres,
-    /// Correction at the beginning, coming from inside.
-    pub at_from: Correction,
-    /// Correction at the end, coming from inside.
-    pub at_to: Correction,
-}
+/// A stretch of the base axis on which a correction is one straight line: both ends, with the corrections there,
+/// coming from inside.
+pub(crate) type Stretch = [(Millimetres, Correction); 2];
 
 /// What one output axis gets because one base axis stands at a position, having come there in
 /// one direction: the sum of node tables and a constant.
@@ -216,7 +205,7 @@ impl Response {
             let [low, step] = [low, step].map(Millimetres::new);
             NodeTable::new(low, step, values, Between::Linear)
         };
-        let step = step_of(mm);
+        let step = step_of(mm, 0.0);
         if let Some(equal) = step.and_then(|step| nodes(*low, step, values)) {
             return Some(Response::new(vec![equal], Correction::ZERO));
         }
@@ -246,10 +235,8 @@ impl Response {
 
     /// The correction at a position.
     pub fn correction(&self, at: Millimetres) -> Correction {
-        self.tables
-            .iter()
-            .map(|table| table.correction(at))
-            .fold(Correction::from_um(self.constant_um), |sum, c| sum + c)
+        let corrections = self.tables.iter().map(|table| table.correction(at));
+        corrections.fold(Correction::from_um(self.constant_um), |sum, c| sum + c)
     }
 
     /// The node tables it is made of.
@@ -261,10 +248,7 @@ impl Response {
     #[must_use]
     pub fn straightened(&self) -> Response {
         let straight = |table: &NodeTable| NodeTable { between: Between::Linear, ..table.clone() };
-        Response {
-            tables: self.tables.iter().map(straight).collect(),
-            constant_um: self.constant_um,
-        }
+        Response { tables: self.tables.iter().map(straight).collect(), ..*self }
     }
 
     /// The correction over `from..to` as straight stretches; jumps lie between two stretches.
@@ -294,22 +278,19 @@ impl Response {
         let a = self.correction(Millimetres::new(from + quarter)).um();
         let b = self.correction(Millimetres::new(to - quarter)).um();
         let half = (b - a) * 0.5;
-        Stretch {
-            from: Millimetres::new(from),
-            to: Millimetres::new(to),
-            at_from: Correction::from_um(a - half),
-            at_to: Correction::from_um(b + half),
-        }
+        [(from, a - half), (to, b + half)]
+            .map(|(mm, um)| (Millimetres::new(mm), Correction::from_um(um)))
     }
 }
 
-/// The distance of places that lie at equal distances.
-fn step_of(mm: &[f64]) -> Option<f64> {
+/// The distance of places that lie at equal distances, but for the last digit of a file and a part of the position.
+pub(super) fn step_of(mm: &[f64], relative: f64) -> Option<f64> {
     const OFF_GRID_MM: f64 = 1e-6;
     let (first, last) = (mm.first()?, mm.last()?);
     let step = (last - first) / (mm.len().checked_sub(1)?) as f64;
-    let is_equal =
-        |(index, at): (usize, &f64)| (first + step * index as f64 - at).abs() <= OFF_GRID_MM;
+    let is_equal = |(index, at): (usize, &f64)| {
+        (first + step * index as f64 - at).abs() <= OFF_GRID_MM + relative * at.abs()
+    };
     mm.iter().enumerate().all(is_equal).then_some(step)
 }
 

@@ -13,11 +13,7 @@ const PRINTED_UM: f64 = 1e-3;
 ///
 /// **limits** backlash parameters count as 0
 pub fn check_examples(profile: &Profile) -> Result<(), Problems> {
-    let mut problems = Problems::none();
-    for example in &profile.examples {
-        problems.take(check(profile, example));
-    }
-    problems.or_ok(())
+    Problems::all(profile.examples.iter().map(|example| check(profile, example))).map(drop)
 }
 
 fn check(profile: &Profile, example: &Example) -> Result<(), Problems> {
@@ -29,13 +25,12 @@ fn check(profile: &Profile, example: &Example) -> Result<(), Problems> {
     let read = read(profile, &files)?;
     let control = emulator(profile, &read.tables, &example.state());
     let control = control.map_err(|why| wrong(why.0))?;
-    let mut problems = Problems::none();
-    for added in &example.adds {
-        if let Some(words) = otherwise(control.as_ref(), added) {
-            problems.push(wrong(words).help("compare file, facts and what stands in `adds`"));
-        }
-    }
-    problems.or_ok(())
+    let compared = example.adds.iter().map(|added| {
+        let other = otherwise(control.as_ref(), added);
+        let help = "compare file, facts and what stands in `adds`";
+        other.map_or(Ok(()), |words| Err(wrong(words).help(help)))
+    });
+    Problems::all(compared).map(drop)
 }
 
 /// What the control adds where it is not what stands there.

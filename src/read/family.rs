@@ -6,7 +6,7 @@ use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::findings::ReadFinding;
 use crate::read::siemens::MachineDatum;
-use crate::text::{Finding, Problem, Problems, shown};
+use crate::text::{Finding, Problem, Problems, joined, shown};
 use std::any::Any;
 use std::borrow::Cow;
 
@@ -165,15 +165,14 @@ fn read_role(
     }
 }
 
-/// Reads every text of a kit; the problems of all of them are given at once.
-pub(crate) fn each<T>(
-    files: &[KitText<'_>],
-    read: impl Fn(&str, &str) -> Result<T, Problems>,
-) -> Result<Vec<T>, Problems> {
-    let mut problems = Problems::none();
-    let contents =
-        files.iter().filter_map(|file| problems.take(read(file.path, file.text))).collect();
-    problems.or_ok(contents)
+/// The last part of a path.
+pub(crate) fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// The names of files as a sentence has them.
+pub(super) fn quoted(texts: &[(&str, &str)]) -> String {
+    joined(texts.iter().map(|(name, _)| format!("`{}`", shown(name))))
 }
 
 /// Files that a control may load and that no reader takes: whatever else is read back,

@@ -20,7 +20,7 @@ use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
+use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
 use crate::text::{Problem, Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
@@ -61,7 +61,7 @@ const OF_CONCERN: [(u32, u32); 18] = [
 
 impl Family for FanucFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
-        let memories = each(files, |path, text| read(path, text, self))?;
+        let memories = Problems::all(files.iter().map(|file| read(file.path, file.text, self)))?;
         Ok(Tables::Fanuc(merge(memories)?).into())
     }
 

@@ -59,10 +59,8 @@ fn rows_of(file_name: &str, text: &str, as_shown: bool) -> Result<Vec<Row>, Prob
 
 /// The tables of the files of a kit, or, `as_shown`, of those that a control showed.
 pub(crate) fn tables(texts: &[(&str, &str)], as_shown: bool) -> Result<ListedTables, Problems> {
-    let mut problems = Problems::none();
-    let rows = texts.iter().map(|(name, text)| rows_of(name, text, as_shown));
-    let files = rows.filter_map(|rows| problems.take(rows)).collect();
-    Ok(in_tables(&merge(problems.or_ok(files)?)?))
+    let files = texts.iter().map(|(name, text)| rows_of(name, text, as_shown));
+    Ok(in_tables(&merge(Problems::all(files)?)?))
 }
 
 /// Checked rows as tables: one for each pair of axes; a direction without rows gets nothing.

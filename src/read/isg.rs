@@ -8,7 +8,6 @@
 
 pub mod control;
 mod csv;
-mod line;
 
 use self::control::IsgControl;
 use crate::control::control_state::ControlState;
@@ -17,7 +16,7 @@ use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter};
 use crate::quantity::{Axis, PerAxis};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, own};
+use crate::read::family::{Family, KitText, ReadBack, file_name, own, quoted};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
 use crate::text::{Finding, Problem, Problems, shown};
@@ -52,11 +51,11 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
         [(name, text)] => (name, text),
         _ => return Err(not_one_list(&lists, &others).into()),
     };
-    let list = List::read(list_name, text)?;
+    let list = list(list_name, text)?;
     let mut problems = Problems::none();
     let mut curves: Vec<Curve> = Vec::new();
     let mut named: Vec<&str> = Vec::new();
-    for path in &list.files {
+    for path in list.paths.values() {
         let is_it =
             |(name, _): &&(&str, &str)| file_name(name).eq_ignore_ascii_case(file_name(path));
         let Some((name, text)) = others.iter().find(is_it) else {
@@ -77,40 +76,18 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     }
     curves.sort_by_key(|curve| curve.parameter);
     let unnamed = others.iter().filter(|(name, _)| !named.contains(name));
-    let unnamed = unnamed.map(|(name, _)| {
-        let file = shown(name);
-        ReadFinding::NotListed { file }.into()
-    });
+    let unnamed = unnamed.map(|(name, _)| ReadFinding::NotListed { file: shown(name) }.into());
     let unnamed = unnamed.collect();
-    problems.or_ok((
-        IsgTables {
-            axes: list.axes,
-            chain: list.chain,
-            negated: list.negated,
-            zeroed: list.zeroed,
-            curves,
-        },
-        unnamed,
-    ))
-}
-
-/// The last part of a path.
-fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
-fn names(texts: &[(&str, &str)]) -> String {
-    let names = texts.iter().map(|(name, _)| format!("`{}`", shown(name)));
-    names.collect::<Vec<_>>().join(", ")
+    problems.or_ok((IsgTables { curves, ..list.tables }, unnamed))
 }
 
 fn not_one_list(lists: &[(&str, &str)], others: &[(&str, &str)]) -> Problem {
     let message = match lists {
         [] => format!(
             "no list stands beside {}: parameter files do not say their form, the axes or the chain",
-            names(others)
+            quoted(others)
         ),
-        _ => format!("several lists, of which one can be read: {}", names(lists)),
+        _ => format!("several lists, of which one can be read: {}", quoted(lists)),
     };
     let help = "name one list (`.lis`, the file of `vol_comp[0].file_name`) with the files of its `file[…]`";
     Problem::new(message).help(help)
@@ -141,18 +118,6 @@ fn too_many(file: &str, curve: &Curve) -> Option<Problem> {
 
 // The list of a volumetric compensation: `key value` in each line, `#` begins a comment.
 
-/// What a list says.
-#[derive(Debug)]
-struct List {
-    axes: PerAxis<Option<u32>>,
-    /// From the workpiece to the tool.
-    chain: [Axis; 3],
-    negated: PerAxis<bool>,
-    zeroed: PerAxis<bool>,
-    /// Paths of the parameter files.
-    files: Vec<String>,
-}
-
 /// Whether a text is a list: it names a parameter file.
 fn is_list(text: &str) -> bool {
     lines(text).any(|line| {
@@ -178,63 +143,44 @@ fn setting(text: &str, line: Range<usize>) -> Option<Setting<'_>> {
     })
 }
 
-/// What is read from the lines.
-struct Reading {
-    list: List,
+/// What a list says.
+struct List {
+    /// All but their curves.
+    tables: IsgTables,
+    /// Of the parameter files.
     paths: BTreeMap<u32, String>,
     /// Files whose form is stated.
     formats: BTreeSet<u32>,
 }
 
+/// Reads a list; where it does not say a thing, the control takes what [`IsgTables::NONE`] says.
+fn list(file: &str, text: &str) -> Result<List, Problems> {
+    let (tables, paths, formats) = (IsgTables::NONE, BTreeMap::new(), BTreeSet::new());
+    let mut list = List { tables, paths, formats };
+    let (mut known, mut complaints) = (BTreeSet::new(), Vec::new());
+    for setting in lines(text).filter_map(|line| setting(text, line)) {
+        let taken = match known.insert(setting.key.clone()) {
+            true => list.take(&setting),
+            false => Err("each key once"),
+        };
+        complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
+        if complaints.len() >= MOST_COMPLAINTS {
+            break;
+        }
+    }
+    complaints.extend(list.missing().map(|missing| {
+        let message = format!("the list does not say {missing}");
+        Complaint::new(0..0, message, "name the complete list of the control")
+    }));
+    located(file, text, complaints).or_ok(list)
+}
+
 impl List {
-    /// Reads a text.
-    fn read(file: &str, text: &str) -> Result<List, Problems> {
-        let mut reading = Reading::default();
-        let (mut known, mut complaints) = (BTreeSet::new(), Vec::new());
-        for setting in lines(text).filter_map(|line| setting(text, line)) {
-            let taken = match known.insert(setting.key.clone()) {
-                true => reading.take(&setting),
-                false => Err("each key once"),
-            };
-            complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
-            if complaints.len() >= MOST_COMPLAINTS {
-                break;
-            }
-        }
-        complaints.extend(reading.missing().map(|missing| {
-            let message = format!("the list does not say {missing}");
-            Complaint::new(0..0, message, "name the complete list of the control")
-        }));
-        match complaints.is_empty() {
-            true => Ok(reading.whole()),
-            false => Err(located(file, text, complaints)),
-        }
-    }
-}
-
-impl Default for Reading {
-    /// What the control takes where the list does not say it.
-    fn default() -> Self {
-        Reading {
-            list: List {
-                axes: PerAxis::default(),
-                chain: Axis::ALL,
-                negated: PerAxis::default(),
-                zeroed: PerAxis::default(),
-                files: Vec::new(),
-            },
-            paths: BTreeMap::new(),
-            formats: BTreeSet::new(),
-        }
-    }
-}
-
-impl Reading {
     /// Takes a setting; `Err` = what was expected.
     fn take(&mut self, setting: &Setting<'_>) -> Result<(), &'static str> {
         let Setting { key, value, .. } = setting;
-        if let Some(axis) = Axis::ALL.into_iter().find(|axis| axis.key() == key) {
-            self.list.axes[axis] = Some(logical(value)?);
+        if let Some(axis) = Axis::from_letter(key) {
+            self.tables.axes[axis] = Some(logical(value)?);
             return Ok(());
         }
         if let Some(index) = indexed(key, "file") {
@@ -250,9 +196,9 @@ impl Reading {
             );
         }
         match key.as_str() {
-            "chain" => self.list.chain = chain(value)?,
-            "negate" => self.list.negated = set(value)?,
-            "set_to_zero" => self.list.zeroed = set(value)?,
+            "chain" => self.tables.chain = chain(value)?,
+            "negate" => self.tables.negated = set(value)?,
+            "set_to_zero" => self.tables.zeroed = set(value)?,
             "interpolation" => one_of(value, &["GRID"], "GRID: nothing else is emulated")?,
             "workpiece_axes" => one_of(value, &["0"], "0: axes of the workpiece are not emulated")?,
             "alternative_model" | "use_axis_offsets" | "enable_splicing" => one_of(
@@ -271,14 +217,10 @@ impl Reading {
 
     /// What has to be there and is not.
     fn missing(&self) -> impl Iterator<Item = String> {
-        let axes = self.list.axes.iter().filter(|(_, number)| number.is_none());
+        let axes = self.tables.axes.iter().filter(|(_, number)| number.is_none());
         let axes = axes.map(|(axis, _)| format!("the logical axis number of {axis}"));
         let without = self.paths.keys().filter(|index| !self.formats.contains(index));
         axes.chain(without.map(|index| format!("file_format[{index}]")))
-    }
-
-    fn whole(self) -> List {
-        List { files: self.paths.into_values().collect(), ..self.list }
     }
 }
 
@@ -294,20 +236,15 @@ fn logical(value: &str) -> Result<u32, &'static str> {
     number.map(u32::from).ok_or("the logical number of an axis, 1 to 65535")
 }
 
-fn axis(letter: char) -> Option<Axis> {
-    let is_it = |axis: &Axis| axis.letter() == letter.to_ascii_uppercase();
-    Axis::ALL.into_iter().find(is_it)
-}
-
 fn chain(value: &str) -> Result<[Axis; 3], &'static str> {
-    let letters: Option<Vec<Axis>> = value.chars().map(axis).collect();
-    let order = letters.and_then(|letters| <[Axis; 3]>::try_from(letters).ok());
-    let each_once = |order: &[Axis; 3]| Axis::ALL.iter().all(|axis| order.contains(axis));
-    order.filter(each_once).ok_or("each of X, Y, Z once, from the workpiece to the tool")
+    let is_it = |order: &[Axis; 3]| Axis::letters(order).eq_ignore_ascii_case(value);
+    let order = Axis::ORDERS.into_iter().find(is_it);
+    order.ok_or("each of X, Y, Z once, from the workpiece to the tool")
 }
 
 fn set(value: &str) -> Result<PerAxis<bool>, &'static str> {
-    let letters: Option<Vec<Axis>> = value.chars().map(axis).collect();
+    let letters = value.chars().map(|letter| Axis::from_letter(letter.encode_utf8(&mut [0; 4])));
+    let letters: Option<Vec<Axis>> = letters.collect();
     let letters = letters.ok_or("letters of axes, for instance XY")?;
     Ok(PerAxis::from_fn(|axis| letters.contains(&axis)))
 }

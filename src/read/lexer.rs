@@ -1,7 +1,7 @@
 //! The text of a control's file cut into lines and words, and what is wrong at a place of it: shared by
 //! the readers of all families.
 
-use crate::text::{LineIndex, Problem, Problems};
+use crate::text::{LineIndex, Problem, Problems, plain_number};
 use std::ops::Range;
 
 /// What a reader finds wrong with a piece of the text, before the file's name is known.
@@ -59,14 +59,18 @@ pub(super) type Words<'a> = Vec<(&'a str, Range<usize>)>;
 
 /// The words of a piece of a line, between blanks.
 pub(super) fn words(text: &str, span: Range<usize>) -> Words<'_> {
-    let mut cursor = Cursor::new(text, span, &[' ', '\t']);
-    let mut words = Vec::new();
-    while cursor.peek_word().is_some() {
-        let start = cursor.at;
-        let word = cursor.take(|c| c != ' ' && c != '\t');
-        words.push((word, start..start + word.len()));
-    }
-    words
+    let mut at = span.start;
+    let words = text[span].split([' ', '\t']).map(|word| {
+        let start = at;
+        at += word.len() + 1;
+        (word, start..start + word.len())
+    });
+    words.filter(|(word, _)| !word.is_empty()).collect()
+}
+
+/// A decimal number of a file of lengths or angles; in any of their units these lie below a million.
+pub(super) fn number(word: &str) -> Option<f64> {
+    plain_number(word).filter(|number| number.abs() < 1e6)
 }
 
 /// A place in a piece of a text, which is ASCII there: bytes are characters.

@@ -18,13 +18,12 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Columns, ControlUnit, CrossTerms, LinuxcncFacts};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, own};
+use crate::read::family::{Family, KitText, ReadBack, file_name, own, quoted};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::listed;
-use crate::read::program::blocks::Cancelled::*;
-use crate::read::program::blocks::Meaning::*;
-use crate::read::program::blocks::{Code, Meaning, Vocabulary, refuse, without_comments};
+use crate::read::program::blocks::Meaning::{self, End, Neutral};
+use crate::read::program::blocks::{Code, Vocabulary, refuse, without_comments};
 use crate::text::{Finding, Problem, Problems, shown};
 use part_program::Language;
 use std::collections::BTreeMap;
@@ -33,8 +32,7 @@ impl Family for LinuxcncFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
         let read = read(&texts, self)?;
-        let notes = read.not_named();
-        Ok(ReadBack { notes, ..Tables::Listed(read.tables).into() })
+        Ok(ReadBack { notes: read.notes, ..Tables::Listed(read.tables).into() })
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
@@ -69,16 +67,8 @@ pub(crate) struct Contents {
     pub(crate) unit: Option<ControlUnit>,
     /// Whether it is the ini of a machine, in which a setting that is not stated has its default.
     pub(crate) is_whole: bool,
-    /// Files that nothing names.
-    unnamed: Vec<String>,
-}
-
-impl Contents {
-    /// What is to be told of files that do nothing.
-    pub(crate) fn not_named(&self) -> Vec<Finding> {
-        let files = self.unnamed.iter().map(|file| shown(file));
-        files.map(|file| ReadFinding::NotNamed { file }.into()).collect()
-    }
+    /// What is to be told of files that do nothing, as nothing names them.
+    pub(crate) notes: Vec<Finding>,
 }
 
 /// Reads the ini and the tables that it names, and a HAL file; names and texts in any order.
@@ -88,7 +78,7 @@ impl Contents {
 pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Contents, Problems> {
     let (inis, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| ini::is_ini(text));
     let takes_hal = facts.cross_terms.value == CrossTerms::Hal;
-    let is_hal = |(_, text): &&(&str, &str)| takes_hal && hal::is_hal(text);
+    let is_hal = |(_, text): &(&str, &str)| takes_hal && hal::is_hal(text);
     let (hals, others): (Vec<_>, Vec<_>) = others.into_iter().partition(is_hal);
     if inis.is_empty() && (hals.is_empty() || !others.is_empty()) {
         return Err(no_ini(&others).into());
@@ -132,9 +122,10 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     let names = texts.iter().map(|(name, _)| *name);
     named.extend(hals.iter().map(|(name, _)| *name));
     let unnamed = names.filter(|name| *name != ini_name && !named.contains(name));
+    let told = unnamed.map(|name| ReadFinding::NotNamed { file: shown(name) }.into());
     problems.or_ok(Contents {
         tables: ListedTables::of(tables),
-        unnamed: unnamed.map(str::to_string).collect(),
+        notes: told.collect(),
         joints: ini.joints,
         unit: ini.unit,
         is_whole: is_machines(text),
@@ -167,20 +158,16 @@ fn is_machines(text: &str) -> bool {
 }
 
 /// The one ini that counts: that of the machine, which says by what it leaves out, too; else the only one.
-fn the_ini<'a>(inis: &[&(&'a str, &'a str)]) -> Result<(&'a str, &'a str), Problem> {
+fn the_ini<'a>(inis: &[(&'a str, &'a str)]) -> Result<(&'a str, &'a str), Problem> {
     let machines: Vec<_> = inis.iter().filter(|(_, text)| is_machines(text)).collect();
     match (&machines[..], inis) {
-        ([of_machine], _) => Ok(***of_machine),
-        ([], [only]) => Ok(**only),
-        _ => {
-            let names = inis.iter().map(|(name, _)| format!("`{}`", shown(name)));
-            let names: Vec<String> = names.collect();
-            Err(Problem::new(format!(
-                "several ini files, of which one can be that of the machine: {}",
-                names.join(", ")
-            ))
-            .help("name one of them: the ini file that LinuxCNC is started with"))
-        }
+        ([of_machine], _) => Ok(**of_machine),
+        ([], [only]) => Ok(*only),
+        _ => Err(Problem::new(format!(
+            "several ini files, of which one can be that of the machine: {}",
+            quoted(inis)
+        ))
+        .help("name one of them: the ini file that LinuxCNC is started with")),
     }
 }
 
@@ -199,16 +186,10 @@ fn ambiguous(ini: &Ini) -> Option<Problem> {
     )
 }
 
-/// The last part of a path.
-fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
 fn no_ini(texts: &[(&str, &str)]) -> Problem {
-    let names: Vec<String> = texts.iter().map(|(name, _)| format!("`{}`", shown(name))).collect();
     Problem::new(format!(
         "no ini file stands beside {}: a table says neither its joint nor its type nor its unit",
-        names.join(", ")
+        quoted(texts)
     ))
     .help("name the ini file of the machine, or the lines of the kit, together with the tables")
 }
@@ -227,26 +208,8 @@ fn not_there(joint: u32, path: &str) -> Problem {
 pub(in crate::read) const VOCABULARY: Vocabulary =
     Vocabulary { language: Language::Iso, words: &WORDS, blocks };
 
-/// G17 and G61.1 (exact stop) do not change where the axes go.
-const WORDS: [(&str, Meaning); 17] = [
-    ("G0", Rapid),
-    ("G1", Feed),
-    ("G4", Dwell),
-    ("G17", Neutral),
-    ("G61.1", Neutral),
-    ("G64", Neutral),
-    ("G94", FeedPerMinute),
-    ("G20", Unit(ControlUnit::Inch)),
-    ("G21", Unit(ControlUnit::Millimetre)),
-    ("G40", Cancel(ToolRadius)),
-    ("G49", Cancel(ToolLength)),
-    ("G80", Cancel(Cycle)),
-    ("G53", Machine),
-    ("G90", Absolute),
-    ("G91", Incremental),
-    ("M0", Stop),
-    ("M2", End),
-];
+/// G61.1 (exact stop) does not change where the axes go.
+const WORDS: [(&str, Meaning); 2] = [("G61.1", Neutral), ("M2", End)];
 
 /// A comment that begins with one of these words does something.
 const ACTIVE: [&str; 6] = ["LOG", "PROBE", "DEBUG", "PRINT", "PY", "ABORT"];
@@ -255,9 +218,7 @@ fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
     let mut blocks = Vec::new();
     for line in lines(text) {
         let written = &text[line.clone()];
-        let Some(code) = without_comments(written) else {
-            return Err(refuse(line, "the brackets of a comment do not match"));
-        };
+        let code = without_comments(text, &line)?;
         if comments(written).any(is_active) {
             return Err(refuse(line, "a comment that LinuxCNC executes"));
         }

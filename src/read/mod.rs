@@ -25,5 +25,5 @@ pub use self::example::check_examples;
 pub use self::family::{
     FileData, KitFile, ReadBack, emulator, is_whole, read, read_apart, read_out_text,
 };
-pub(crate) use self::family::{load, may_be_meant_for, unread};
+pub(crate) use self::family::{file_name, load, may_be_meant_for, unread};
 pub(crate) use self::findings::ReadFinding;

@@ -20,7 +20,7 @@ mod read_out;
 mod statement;
 mod variable;
 
-pub use self::contents::{MachineDatum, MachineValue, ReadOut, SiemensContents, merge};
+pub use self::contents::{MachineDatum, MachineValue, SiemensContents, merge};
 pub(crate) use self::contents::{datum, is_switch};
 use self::control::SiemensControl;
 use self::memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
@@ -30,7 +30,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
+use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, own};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::program::blocks::Cancelled::*;
@@ -45,7 +45,8 @@ impl Family for SiemensFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let is_rollback = files.iter().all(|file| file.role == Role::Rollback);
         let writer = if is_rollback { Writer::Rollback } else { Writer::Kit };
-        let contents = each(files, |file, text| Reader::new(writer, file, text).strict())?;
+        let read = |file: &KitText<'_>| Reader::new(writer, file.path, file.text).strict();
+        let contents = Problems::all(files.iter().map(read))?;
         let data = files.iter().zip(&contents).map(|(file, contents)| FileData {
             path: file.path.to_string(),
             role: file.role,
@@ -200,7 +201,7 @@ impl<'a> Reader<'a> {
                 let file = self.file.to_string();
                 self.memory.all.notes.push(ReadFinding::Stops { file }.into());
             }
-            Statement::Activate => self.memory.activate(),
+            Statement::Activate => self.memory.waiting = None,
             Statement::Set(set) => self.memory.set(&set)?,
         }
         Ok(())
@@ -217,19 +218,18 @@ impl<'a> Reader<'a> {
             }
             if header(&self.text[line.clone()]).is_some() {
                 has_headers = true;
-                self.memory.all.read_out.programs.extend(program.map(str::to_string));
+                self.memory.all.programs.extend(program.map(str::to_string));
             }
             let (concern, code) = concern(self.text, &line);
-            self.memory.all.read_out.programs_write_tables |=
-                program.is_some() && concern == Concern::Table;
+            self.memory.all.programs_write_tables |= program.is_some() && concern == Concern::Table;
             if program.is_some() && !reads_programs {
                 continue;
             }
             match concern {
                 Concern::Nothing => continue,
-                Concern::PassedOver => self.memory.all.read_out.passed_over += 1,
-                Concern::Unit(unit) if self.memory.all.read_out.units.contains(&unit) => {}
-                Concern::Unit(unit) => self.memory.all.read_out.units.push(unit),
+                Concern::PassedOver => self.memory.all.passed_over += 1,
+                Concern::Unit(unit) if self.memory.all.units.contains(&unit) => {}
+                Concern::Unit(unit) => self.memory.all.units.push(unit),
                 Concern::End => {
                     self.ended = true;
                     behind_end.clear();
@@ -255,10 +255,10 @@ impl<'a> Reader<'a> {
             }
         }
         if !has_headers && is_program(self.file) {
-            self.memory.all.read_out.programs.push(self.file.to_string());
+            self.memory.all.programs.push(self.file.to_string());
         }
         self.complaints.append(&mut behind_end);
-        if !self.ended && (has_data || self.memory.all.read_out.programs.is_empty()) {
+        if !self.ended && (has_data || self.memory.all.programs.is_empty()) {
             self.complaints.push(no_end(self.text.len()));
         }
         self.finish()
@@ -327,15 +327,9 @@ fn after_end(line: Range<usize>) -> Complaint {
 pub(in crate::read) const VOCABULARY: Vocabulary =
     Vocabulary { language: Language::Siemens, words: &WORDS, blocks };
 
-/// G17 and G60 (exact stop) do not change where the axes go.
-const WORDS: [(&str, Meaning); 21] = [
-    ("G0", Rapid),
-    ("G1", Feed),
-    ("G4", Dwell),
-    ("G17", Neutral),
+/// G60 (exact stop) does not change where the axes go.
+const WORDS: [(&str, Meaning); 12] = [
     ("G60", Neutral),
-    ("G94", FeedPerMinute),
-    ("G40", Cancel(ToolRadius)),
     ("D0", Cancel(ToolLength)),
     ("G500", Cancel(Offset)),
     ("TRANS", Cancel(Shift)),
@@ -343,12 +337,9 @@ const WORDS: [(&str, Meaning); 21] = [
     ("SCALE", Cancel(Scaling)),
     ("MIRROR", Cancel(Mirroring)),
     ("TRAFOOF", Cancel(Transformation)),
-    ("G90", Absolute),
-    ("G91", Incremental),
     ("G700", Unit(ControlUnit::Inch)),
     ("G710", Unit(ControlUnit::Millimetre)),
     ("SUPA", Machine),
-    ("M0", Stop),
     ("M30", End),
 ];
 

@@ -96,6 +96,18 @@ pub(crate) fn once<T: Eq + Hash>(mut items: Vec<T>) -> Vec<T> {
     items
 }
 
+/// Items with one key together, the groups where their first one stands.
+pub(crate) fn grouped<K: PartialEq, T>(items: impl Iterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
+    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
+    for (key, item) in items {
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, group)) => group.push(item),
+            None => groups.push((key, vec![item])),
+        }
+    }
+    groups
+}
+
 /// `EXX, EYY`
 pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
     let words = items.into_iter().map(|item| item.to_string());

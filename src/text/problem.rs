@@ -362,6 +362,16 @@ impl Problems {
         result.map_err(|problems| self.extend(problems.into())).ok()
     }
 
+    /// All values, or the problems of all that have none.
+    pub(crate) fn all<T, P: Into<Problems>>(
+        results: impl Iterator<Item = Result<T, P>>,
+    ) -> Result<Vec<T>, Problems> {
+        let mut problems = Problems::none();
+        let mut values = Vec::with_capacity(results.size_hint().0);
+        values.extend(results.filter_map(|result| problems.take(result)));
+        problems.or_ok(values)
+    }
+
     /// Whether the next one would only be counted.
     pub(crate) fn is_full(&self) -> bool {
         self.kept.len() >= MOST_PROBLEMS || self.looked_at >= MOST_LOOKED_AT

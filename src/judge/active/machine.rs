@@ -48,8 +48,8 @@ pub(crate) fn uncompensated(
     let state = acting_state(&names, active, sets);
     let control = emulator(profile, &active.tables, &state).map_err(|e| cannot(job, &e))?;
     let mut problems = Problems::none();
-    if let Some(rotation) = held_rotation(&names, control.as_ref()) {
-        problems.push(angles_active(job, rotation));
+    if let Some(active) = angles_active(job, &names, control.as_ref()) {
+        problems.push(active);
     }
     let mut sum = Sum { job, model: measured.clone(), notes: Vec::new() };
     let mut acts = false;
@@ -72,22 +72,25 @@ pub(crate) fn uncompensated(
     problems.or_ok((sum.model, sum.notes))
 }
 
-/// An angle that the old tables take off.
-fn held_rotation(names: &PerAxis<Vec<String>>, control: &dyn Emulator) -> Option<Rotation> {
-    Rotation::all().find(|rotation| {
+/// Refuses an angle that the old tables take off.
+fn angles_active(
+    job: &Job,
+    names: &PerAxis<Vec<String>>,
+    control: &dyn Emulator,
+) -> Option<Problem> {
+    let is_held = |rotation: &Rotation| {
         let name = names[rotation.along].first();
         name.is_some_and(|name| control.rotation(name, rotation.about).is_some())
-    })
-}
-
-fn angles_active(job: &Job, rotation: Rotation) -> Problem {
-    problem(
+    };
+    let rotation = Rotation::all().find(is_held)?;
+    let message = format!(
+        "the active tables hold angles ({rotation}): what they did at the levers cannot be added to the new ones"
+    );
+    Some(problem(
         job,
-        format!(
-            "the active tables hold angles ({rotation}): what they did at the levers cannot be added to the new ones"
-        ),
+        message,
         "measure with this compensation switched off, and write `active_while_measuring = \"none\"`",
-    )
+    ))
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
@@ -165,11 +168,7 @@ fn acting_state(
 
 /// Whether any correction is felt.
 fn acts(old: &Pair) -> bool {
-    let places = [old.nodes(), vec![Millimetres::new(0.0)]].concat();
-    let ways = Direction::BOTH.map(|way| old.way(way).straightened());
-    let is_off =
-        |at: &Millimetres| ways.iter().any(|way| way.correction(*at).um().abs() > NOTHING_UM);
-    places.iter().any(is_off)
+    differs(&old.straightened(), &Pair::default())
 }
 
 fn differs(one: &Pair, other: &Pair) -> bool {

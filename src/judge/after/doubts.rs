@@ -19,8 +19,7 @@ pub(super) fn findings(
     before: &ErrorModel,
     after: &AfterMeasurement,
 ) -> Vec<Finding> {
-    let found = not_measured(measured_first, after).into_iter();
-    let mut found: Vec<Finding> = found.map(Finding::from).collect();
+    let mut found = Vec::from_iter(not_measured(measured_first, after).map(Finding::from));
     match after {
         AfterMeasurement::Errors(model) => {
             found.extend(model.doubts(|_| true));

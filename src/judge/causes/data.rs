@@ -6,7 +6,7 @@ use crate::judge::causes::change::Question;
 use crate::quantity::{ErrorTerm, Squared, larger, smaller};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What no laser resolves, µm.
 const SMALLEST_UM: f64 = 0.01;
@@ -76,9 +76,7 @@ pub(super) struct Data<'a> {
 impl<'a> Data<'a> {
     pub(super) fn new(question: &'a Question<'a>) -> Data<'a> {
         let seen = question.seen;
-        let mut curves: Vec<usize> = seen.iter().map(|o| o.curve).collect();
-        curves.sort_unstable();
-        curves.dedup();
+        let curves: BTreeSet<usize> = seen.iter().map(|o| o.curve).collect();
         let (sigma_um, words) = sigmas(question);
         let sigma = root_mean_square(&sigma_um);
         Data {

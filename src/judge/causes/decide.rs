@@ -10,6 +10,7 @@ use crate::judge::causes::change::{Change, Question, number};
 use crate::judge::causes::data::{Data, Fit, minus, plus, quantile};
 use crate::judge::causes::hypotheses::{CHECKS, Hypothesis};
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, Millimetres};
+use crate::text::joined;
 use nalgebra::{DMatrix, DVector};
 
 /// What a display and a dial gauge tell apart, µm.
@@ -120,7 +121,7 @@ fn display_at(
         Figure(at.mm()).trimmed(3),
         term.of,
         amount(&shown[0]),
-        cases.collect::<Vec<String>>().join(", ")
+        joined(cases)
     )
 }
 

@@ -4,6 +4,7 @@ use super::change::{Change, Fitted, Terms, number};
 use crate::judge::after::before_um;
 use crate::judge::causes::change::{Corrected, Question, Slip};
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, PerTerm};
+use crate::text::{grouped, joined, once};
 
 /// A kind of cause: its place among causes that the data cannot tell apart (what happens often stands first); its
 /// word in docs/visit.md §7; what happened to what it concerns, and what it usually comes from.
@@ -291,8 +292,7 @@ pub(super) fn words(
     fitted: &[f64],
     uncertainty_mm: &[f64],
 ) -> String {
-    let mut said: Vec<(Vec<String>, String)> = Vec::new();
-    for Hypothesis { change, subject, predicate, .. } in hypotheses {
+    let said = hypotheses.iter().map(|Hypothesis { change, subject, predicate, .. }| {
         let predicate = match change {
             Change::Times(_, None) => format!(
                 "act {:.3} times as strong as planned: look at magnification, detection unit, weight of the table, radius or diameter",
@@ -302,15 +302,11 @@ pub(super) fn words(
             Change::Warmer(places) => kelvin(question, places, fitted),
             _ => predicate.clone(),
         };
-        match said.iter_mut().find(|(_, other)| *other == predicate) {
-            Some((subjects, _)) if subjects.contains(subject) => {}
-            Some((subjects, _)) => subjects.push(subject.clone()),
-            None => said.push((vec![subject.clone()], predicate)),
-        }
-    }
-    let sentences = said
-        .iter()
-        .map(|(subjects, predicate)| format!("{} {predicate}", first_few(subjects, ", or ")));
+        (predicate, subject.clone())
+    });
+    let sentences = grouped(said).into_iter().map(|(predicate, subjects)| {
+        format!("{} {predicate}", first_few(&once(subjects), ", or "))
+    });
     first_few(&sentences.collect::<Vec<String>>(), "; or ")
 }
 
@@ -330,7 +326,7 @@ fn shift(places: &Fitted, fitted: &[f64], uncertainty_mm: &[f64]) -> String {
     });
     format!(
         "act {} away from their place: the reference point is another one than in the job, or positions count from another zero",
-        each.collect::<Vec<String>>().join(", ")
+        joined(each)
     )
 }
 
@@ -349,6 +345,6 @@ fn kelvin(question: &Question<'_>, places: &Fitted, fitted: &[f64]) -> String {
     });
     format!(
         "grew: {}: temperature of scale or workpiece, or its correction in the laser",
-        each.collect::<Vec<String>>().join(", ")
+        joined(each)
     )
 }

@@ -64,25 +64,6 @@ impl Entry {
 /// What tables hold, by table (empty = the whole memory) and item.
 pub(crate) type Entries = BTreeMap<(String, Item), Entry>;
 
-/// One table of a control: its parameters and values.
-pub(crate) fn table(
-    entries: &mut Entries,
-    name: &str,
-    fields: &[(&str, String)],
-    values: &[Option<f64>],
-    (alone, differing): (bool, bool),
-) {
-    let fields = fields
-        .iter()
-        .map(|(field, value)| (Item::Name((*field).to_string()), Value::Text(value.clone())));
-    let values = (0_u32..).zip(values);
-    let values = values.map(|(point, value)| (Item::Point(point), Value::Numbers(vec![*value])));
-    entries.extend(fields.chain(values).map(|(item, value)| {
-        let entry = Entry::of(value, alone, differing);
-        ((name.to_string(), item), entry)
-    }));
-}
-
 // What the emulation of two sets of tables tells of them.
 
 /// What emulation tells of two sets of tables.

@@ -17,22 +17,20 @@ const IDLE_AT_ZERO: [(u32, u32); 5] =
 
 /// Reads the files of a control.
 pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Result<Found, Problems> {
-    let mut problems = Problems::none();
+    let unit = reading.job.compensation.control_unit;
+    let files = reading.texts.iter().map(|(name, text)| read_out(name, text, facts, unit));
     let mut memories = Vec::new();
-    for (name, text) in reading.texts {
-        let unit = reading.job.compensation.control_unit;
-        if let Some(read) = problems.take(read_out(name, text, facts, unit)) {
-            memories.push(read.memory);
-            for parameter in read.spindles {
-                reading.take(of_spindle(&parameter), InControl::Spindle { parameter });
-            }
-            if read.passed_over > 0 {
-                let (file, count, what) = (name.to_string(), read.passed_over, "other parameters");
-                reading.tell(InControl::PassedOver { file, count, what });
-            }
+    for ((name, _), read) in reading.texts.iter().zip(Problems::all(files)?) {
+        memories.push(read.memory);
+        for parameter in read.spindles {
+            reading.take(of_spindle(&parameter), InControl::Spindle { parameter });
+        }
+        if read.passed_over > 0 {
+            let (file, count, what) = (name.to_string(), read.passed_over, "other parameters");
+            reading.tell(InControl::PassedOver { file, count, what });
         }
     }
-    let memory = merge(problems.or_ok(memories)?)?;
+    let memory = merge(memories)?;
     let held = Held::plain(Tables::Fanuc(memory.clone()));
     let unit = machine::unit(&memory);
     for finding in machine::found(reading.job, &reading.names, &memory, facts) {

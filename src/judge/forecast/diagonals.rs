@@ -3,77 +3,53 @@
 //! The deviation along the beam is a sum over the nine terms. Between two places where a curve or
 //! a correction bends, it is a cubic of the way, so its extremes are found without sampling.
 
-use super::{DiagonalForecast, Machine, within};
+use super::{DiagonalForecast, Machine, Range, within};
 use crate::judge::conformity::Sigma;
 use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::quantity::{
     AT_PLACE_MM, Axis, Diagonal, Direction, ErrorCurve, ErrorTerm, Millimetres, Pass, PerAxis,
-    Squared, larger,
+    Squared, Volume, larger,
 };
 use crate::read::emulate::Response;
 
-/// The measured box: low corner and size of each axis, mm.
-struct MeasuredBox {
-    low: PerAxis<f64>,
-    size: PerAxis<f64>,
+/// The measured box; none where an axis was not measured.
+fn measured_box(model: &ErrorModel, judged: &PerAxis<Option<Range>>) -> Option<Volume> {
+    let of = |axis| Some(within(model.ranges[axis]?, judged[axis]));
+    let ends = PerAxis::from_fn(of).all()?;
+    let size = PerAxis::from_fn(|axis| ends[axis].1 - ends[axis].0);
+    Some(Volume { start: PerAxis::from_fn(|axis| ends[axis].0), size, steps: 1, order: Axis::ALL })
 }
 
-impl MeasuredBox {
-    fn of(
-        model: &ErrorModel,
-        judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
-    ) -> Option<MeasuredBox> {
-        let (mut low, mut size) = (PerAxis::default(), PerAxis::default());
-        for axis in Axis::ALL {
-            let (from, to) = within(model.ranges[axis]?, judged[axis]);
-            (low[axis], size[axis]) = (from.mm(), to.mm() - from.mm());
-        }
-        Some(MeasuredBox { low, size })
+/// How far inside its edge an axis stands at t of a diagonal, or at which t it stands so far inside, in parts of each.
+fn turned(diagonal: Diagonal, axis: Axis, part: f64) -> f64 {
+    match diagonal.forward(axis) {
+        Direction::Plus => part,
+        Direction::Minus => 1.0 - part,
     }
+}
 
-    /// Low and high end of an axis.
-    fn ends(&self, axis: Axis) -> (Millimetres, Millimetres) {
-        let (low, size) = (self.low[axis], self.size[axis]);
-        (Millimetres::new(low), Millimetres::new(low + size))
-    }
+/// How far along a diagonal an axis stands somewhere, 0 to 1 on its forward run.
+fn travelled(measured_box: &Volume, diagonal: Diagonal, axis: Axis, mm: f64) -> f64 {
+    let (low, size) = (measured_box.start[axis], measured_box.size[axis]);
+    turned(diagonal, axis, (mm - low.mm()) / size.mm())
+}
 
-    fn length(&self) -> f64 {
-        self.size.iter().map(|(_, s)| s * s).sum::<f64>().sqrt()
-    }
-
-    fn cosine(&self, axis: Axis) -> f64 {
-        self.size[axis] / self.length()
-    }
-
-    /// How far along a diagonal an axis stands somewhere, 0 to 1 on its forward run.
-    fn travelled(&self, diagonal: Diagonal, axis: Axis, mm: f64) -> f64 {
-        let t = (mm - self.low[axis]) / self.size[axis];
-        match diagonal.forward(axis) {
-            Direction::Plus => t,
-            Direction::Minus => 1.0 - t,
-        }
-    }
-
-    /// Where an axis stands at t.
-    fn position(&self, diagonal: Diagonal, axis: Axis, t: f64) -> Millimetres {
-        let travelled = match diagonal.forward(axis) {
-            Direction::Plus => t,
-            Direction::Minus => 1.0 - t,
-        };
-        Millimetres::new(self.low[axis] + travelled * self.size[axis])
-    }
+/// Where an axis stands at t.
+fn position(measured_box: &Volume, diagonal: Diagonal, axis: Axis, t: f64) -> Millimetres {
+    let inside = turned(diagonal, axis, t) * measured_box.size[axis].mm();
+    measured_box.start[axis] + Millimetres::new(inside)
 }
 
 /// The four diagonals; none where a term or a direction of it was not measured.
 pub(super) fn forecast(
     machine: Machine<'_>,
     control: &Field,
-    judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
+    judged: &PerAxis<Option<Range>>,
     sigma: Sigma,
 ) -> Vec<DiagonalForecast> {
     let model = machine.as_measured;
-    let Some(measured_box) = MeasuredBox::of(model, judged) else {
+    let Some(measured_box) = measured_box(model, judged) else {
         return Vec::new();
     };
     let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));
@@ -91,14 +67,14 @@ pub(super) fn forecast(
             reverse.extremes(&mut before, &mut after);
         }
         let u_um = uncertainties(model, &measured_box, diagonal);
-        let scale_um = model.laser_um_per_m * measured_box.length() / 1000.0;
-        let (before, after) = (before.size(), after.size());
+        let scale_um = model.laser_um_per_m * measured_box.diagonal_mm() / 1000.0;
+        let sizes = [before.size(), after.size()];
         let largest_um =
             model.remarks.largest.as_ref().map(|largest| largest.single.diagonals[diagonal]);
         let doubtful_um =
             model.remarks.doubtful.as_ref().map_or(0.0, |sizes| sizes.diagonals[diagonal]);
-        DiagonalForecast::new(diagonal.name(), before, after, sigma, &u_um, scale_um)
-            .drawn(largest_um, doubtful_um)
+        let name = diagonal.name();
+        DiagonalForecast::new(name, sizes, sigma, &u_um, scale_um, largest_um, doubtful_um)
     };
     Diagonal::ALL.into_iter().map(of_diagonal).collect()
 }
@@ -118,7 +94,7 @@ struct Travel<'a> {
 fn travels<'a>(
     machine: Machine<'a>,
     control: &'a Field,
-    measured_box: &MeasuredBox,
+    measured_box: &Volume,
 ) -> Vec<(ErrorTerm, Direction, Travel<'a>)> {
     let mut travels = Vec::new();
     for (term, _) in machine.as_measured.measured() {
@@ -130,7 +106,8 @@ fn travels<'a>(
                 continue;
             };
             let uncompensated = (!std::ptr::eq(measured, uncompensated)).then_some(uncompensated);
-            let (low, high) = measured_box.ends(term.along);
+            let low = measured_box.start[term.along];
+            let high = low + measured_box.size[term.along];
             let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
             let of_curves = [Some(measured), uncompensated].into_iter().flatten().map(knots);
             let bends = of_curves.chain([response.breaks(low, high)]).collect();
@@ -145,13 +122,13 @@ fn travels<'a>(
 /// measured positions: three terms per axis, weighted with the direction cosine. A value by itself
 /// counts, since max − min is a difference and the reference drops out. A term of which nothing is
 /// stated counts as 0; empty where nothing is stated at all.
-fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, diagonal: Diagonal) -> Vec<f64> {
+fn uncertainties(model: &ErrorModel, measured_box: &Volume, diagonal: Diagonal) -> Vec<f64> {
     if model.measured().all(|(_, m)| m.uncertainty.is_empty()) {
         return Vec::new();
     }
     let places = model.measured().flat_map(|(term, measured)| {
         let points = measured.uncertainty.iter();
-        points.map(move |p| measured_box.travelled(diagonal, term.along, p.at.mm()))
+        points.map(move |p| travelled(measured_box, diagonal, term.along, p.at.mm()))
     });
     let on_it = |t: &f64| (-SAME_PART..=1.0 + SAME_PART).contains(t);
     let mut places: Vec<f64> = places.filter(on_it).collect();
@@ -159,7 +136,7 @@ fn uncertainties(model: &ErrorModel, measured_box: &MeasuredBox, diagonal: Diago
     places.dedup_by(|a, b| (*a - *b).abs() < SAME_PART);
     let u_um = |t: &f64| {
         let variances = model.measured().map(|(term, measured)| {
-            let at = measured_box.position(diagonal, term.along, *t);
+            let at = position(measured_box, diagonal, term.along, *t);
             (measured_box.cosine(term.of) * near_um(measured, at)).squared()
         });
         variances.sum::<f64>().sqrt()
@@ -206,7 +183,7 @@ impl Extent {
 /// One run along a diagonal, t from 0 to 1.
 struct Walk<'a> {
     parts: Vec<Part<'a>>,
-    measured_box: &'a MeasuredBox,
+    measured_box: &'a Volume,
     diagonal: Diagonal,
 }
 
@@ -221,15 +198,16 @@ struct Part<'a> {
 impl<'a> Walk<'a> {
     fn new(
         travels: &'a [(ErrorTerm, Direction, Travel<'a>)],
-        measured_box: &'a MeasuredBox,
+        measured_box: &'a Volume,
         diagonal: Diagonal,
         pass: Pass,
     ) -> Walk<'a> {
+        let beam = measured_box.laser(diagonal);
         let part = |(term, direction, travel): &'a (ErrorTerm, Direction, Travel<'a>)| {
             (diagonal.travelled(term.along, pass) == *direction).then(|| Part {
                 travel,
                 along: term.along,
-                cosine: diagonal.sign(term.of) * measured_box.size[term.of] / measured_box.length(),
+                cosine: beam[term.of],
             })
         };
         Walk { parts: travels.iter().filter_map(part).collect(), measured_box, diagonal }
@@ -247,7 +225,7 @@ impl<'a> Walk<'a> {
                 }
             }
             let places = bends.into_iter().flatten();
-            breaks.extend(places.map(|mm| self.measured_box.travelled(self.diagonal, axis, *mm)));
+            breaks.extend(places.map(|mm| travelled(self.measured_box, self.diagonal, axis, *mm)));
         }
         breaks.retain(|t| (0.0..=1.0).contains(t));
         breaks.sort_by(f64::total_cmp);
@@ -259,7 +237,7 @@ impl<'a> Walk<'a> {
     fn deviation(&self, t: f64) -> (f64, f64) {
         let mut before = 0.0;
         let mut after = 0.0;
-        let places = PerAxis::from_fn(|axis| self.measured_box.position(self.diagonal, axis, t));
+        let places = PerAxis::from_fn(|axis| position(self.measured_box, self.diagonal, axis, t));
         for part in &self.parts {
             let (at, travel) = (places[part.along], part.travel);
             let measured = travel.measured.at(at);

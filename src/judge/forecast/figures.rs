@@ -3,14 +3,15 @@
 use crate::inputs::error_table::{LargestErrors, Silence, Sizes};
 use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{
-    Magnitude, Sigma, Verdict, expanded_together, expanded_um, judge_forecast, judge_measured,
-    largest_um,
+    Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured, largest_um,
+    measured_at_most_um,
 };
 use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, larger};
 use crate::text::Finding;
 use serde::Serialize;
+use std::mem::take;
 
 /// A figure as measured and as the tables leave it, µm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -71,14 +72,16 @@ pub struct DiagonalForecast {
 
 impl DiagonalForecast {
     /// A diagonal whose values have these standard uncertainties, µm; empty = not stated. `scale_um` =
-    /// that of the laser over its length, which is one error of all values.
-    pub fn new(
+    /// that of the laser over its length, which is one error of all values; `largest_um` = how far max − min may be off,
+    /// where that is known of all values drawn together; `doubtful_um` = what may be off beside that.
+    pub(in crate::judge) fn new(
         name: &'static str,
-        before_um: f64,
-        after_um: f64,
+        [before_um, after_um]: [f64; 2],
         sigma: Sigma,
         u_um: &[f64],
         scale_um: f64,
+        largest_um: Option<f64>,
+        doubtful_um: f64,
     ) -> Self {
         let half = |u_um: f64| Magnitude { um: after_um / 2.0, u_um: u_um.hypot(scale_um / 2.0) };
         let mut halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
@@ -93,42 +96,34 @@ impl DiagonalForecast {
                 after_um,
                 comparable_um: after_um,
                 u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
-                expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
+                expanded_um: largest
+                    .map(|_| 2.0 * expanded_um(&halves, sigma, largest_um.map(|um| um / 2.0))),
                 at_most_um: None,
             },
             halves,
-            doubtful_um: 0.0,
+            doubtful_um,
         }
     }
 
-    /// With what is known of all values drawn together.
-    pub(in crate::judge) fn drawn(
-        mut self,
-        largest_um: Option<f64>,
-        doubtful_um: f64,
-    ) -> DiagonalForecast {
-        let own = self.change.expanded_um;
-        self.change.expanded_um = own.map(|own| largest_um.map_or(own, |um| own.min(um)));
-        DiagonalForecast { doubtful_um, ..self }
-    }
-
-    /// max − min as one figure: the difference of two values.
-    pub(super) fn difference(&self) -> Magnitude {
-        Magnitude { um: self.change.after_um, u_um: self.change.u_um.unwrap_or(0.0) }
+    /// max − min as one figure, the difference of two values, with what is doubtful.
+    fn difference(&self) -> Magnitude {
+        let um = self.change.after_um + self.doubtful_um;
+        Magnitude { um, u_um: self.change.u_um.unwrap_or(0.0) }
     }
 }
 
 /// What the figures come from, which decides how they are judged ([`crate::judge::conformity`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Basis {
     /// The emulated tables.
+    #[default]
     Forecast,
     /// A measurement with the tables active.
     Measured,
 }
 
 /// What the tables will leave.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forecast {
     /// What the figures come from.
     pub basis: Basis,
@@ -203,8 +198,7 @@ impl Missed {
 
     /// What is left of the largest of its kind in other figures, µm.
     pub(crate) fn left_of(&self, figures: &Forecast) -> f64 {
-        let diagonals = figures.diagonals.iter().map(|d| d.change.after_um);
-        self.diagonal.map_or_else(|| figures.max_residual_um(), |_| diagonals.fold(0.0, larger))
+        self.diagonal.map_or_else(|| figures.max_residual_um(), |_| figures.max_range_um())
     }
 
     /// Parts of a variance as parts of the uncertainty in µm, the largest first; without what no printed digit shows.
@@ -222,6 +216,11 @@ impl Forecast {
     pub fn max_residual_um(&self) -> f64 {
         let all = self.terms.iter().map(|term| term.change.after_um);
         all.fold(0.0, larger)
+    }
+
+    /// Largest max − min along the diagonals, µm.
+    pub(super) fn max_range_um(&self) -> f64 {
+        self.diagonals.iter().map(|d| d.change.after_um).fold(0.0, larger)
     }
 
     /// The figures of a term or a diagonal of this name.
@@ -265,7 +264,7 @@ impl Forecast {
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
         let all_um = self.largest.as_ref().map(|largest| largest.all_um);
-        stated.then(|| expanded_together(&self.shifted(0.0), self.sigma, all_um))
+        stated.then(|| expanded_um(&self.shifted(0.0), self.sigma, all_um))
     }
 
     /// What all terms together are at most, with 95 %, µm; `None` = no uncertainty is stated.
@@ -283,38 +282,31 @@ impl Forecast {
             Some(Missed { limit_um, verdict, ..self.worst()? })
         });
         let of_diagonals = asked.max_diagonal_um.and_then(|limit_um| {
-            let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
-            let (worst, verdict) = (self.worst_diagonal()?, self.judge_diagonals(&all, limit_um));
-            Some(Missed { limit_um, verdict, ..worst })
+            let verdict = self.judge_diagonals(&self.diagonals, limit_um);
+            Some(Missed { limit_um, verdict, ..self.worst_diagonal()? })
         });
-        let missed = [of_errors, of_diagonals].into_iter().flatten();
-        missed.into_iter().find(|missed| missed.verdict != Verdict::Pass)
+        let mut missed = [of_errors, of_diagonals].into_iter().flatten();
+        missed.find(|missed| missed.verdict != Verdict::Pass)
     }
 
     /// The error that is at most most, whatever the limit is.
     pub(crate) fn worst(&self) -> Option<Missed> {
-        let worst = self.least_certain()?;
+        let at_most = |term: &&TermForecast| term.change.at_most_um.unwrap_or(0.0);
+        let stated = self.terms.iter().filter(|term| term.change.at_most_um.is_some());
+        let worst = stated.max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
         let (own, at_most_um) = (worst.change, self.all_at_most_um()?);
         let u_um = at_most_um - largest_um(&self.shifted(1.0));
         Some(Missed::new(worst.term.to_string(), None, own, [at_most_um, u_um], self.basis))
     }
 
     fn worst_diagonal(&self) -> Option<Missed> {
-        let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
-        let at_most_um = self.ranges_at_most_um(&all)?;
+        let (all, at_most_um) = (|| self.diagonals.iter(), self.ranges_at_most_um()?);
         let at_most = |d: &&DiagonalForecast| d.change.at_most_um.unwrap_or(0.0);
-        let worst = all.iter().copied().max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
-        let left = all.iter().map(|d| d.change.after_um + d.doubtful_um).fold(0.0, larger);
+        let worst = all().max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
+        let left = all().map(|d| d.change.after_um + d.doubtful_um).fold(0.0, larger);
         let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == worst.name);
         let (name, both) = (worst.name.to_string(), [at_most_um, at_most_um - left]);
         Some(Missed::new(name, diagonal, worst.change, both, self.basis))
-    }
-
-    /// The term that is at most most; `None` = no uncertainty is stated.
-    pub(crate) fn least_certain(&self) -> Option<&TermForecast> {
-        let at_most_um = |term: &&TermForecast| term.change.at_most_um.unwrap_or(0.0);
-        let stated = self.terms.iter().filter(|term| term.change.at_most_um.is_some());
-        stated.max_by(|a, b| at_most_um(a).total_cmp(&at_most_um(b)))
     }
 
     /// What is known of all values drawn together: how far what is left may be off, or what was measured.
@@ -327,57 +319,43 @@ impl Forecast {
 
     /// What figures are at most, with 95 %.
     ///
-    /// formula  forecast: largest + U; measured: the largest of value + 1.645 u, Student's where σ was estimated;
-    ///          what is drawn together instead where it is known
+    /// formula  forecast: largest + U; measured: each by itself; what is drawn together instead where it is known
     fn at_most_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
-        match (self.basis, together_um) {
-            (Basis::Forecast, _) => {
-                largest_um(figures) + expanded_together(figures, self.sigma, together_um)
-            }
-            (Basis::Measured, Some(beyond_um)) => largest_um(figures) + beyond_um,
-            (Basis::Measured, None) => {
-                let one_sided = self.sigma.one_sided();
-                figures.iter().map(|f| f.um + one_sided * f.u_um).fold(0.0, larger)
-            }
+        match self.basis {
+            Basis::Forecast => largest_um(figures) + expanded_um(figures, self.sigma, together_um),
+            Basis::Measured => measured_at_most_um(figures, self.sigma, together_um),
         }
     }
 
     /// What max − min of every diagonal is at most, with 95 %, µm; `None` = no uncertainty is stated.
-    pub(super) fn ranges_at_most_um(&self, diagonals: &[&DiagonalForecast]) -> Option<f64> {
-        let stated = diagonals.iter().any(|d| d.change.is_bounded(d.doubtful_um));
-        let halves = diagonals.iter().flat_map(|d| shifted(&d.halves, d.doubtful_um / 2.0));
-        let halves: Vec<Magnitude> = halves.collect();
+    pub(super) fn ranges_at_most_um(&self) -> Option<f64> {
+        let stated = self.diagonals.iter().any(|d| d.change.is_bounded(d.doubtful_um));
         let ranges_um = self.together().map(|largest| largest.ranges_um / 2.0);
-        stated.then(|| 2.0 * self.at_most_um(&halves, ranges_um))
+        stated.then(|| 2.0 * self.at_most_um(&halves(&self.diagonals, 1.0), ranges_um))
     }
 
     /// With what each figure is at most.
     pub(in crate::judge) fn bounded(mut self, basis: Basis) -> Forecast {
         self.basis = basis;
-        let of_terms = self.terms.iter().map(|term| {
-            let together_um = self.together().map(|of| of.single.terms[term.term]);
-            let doubtful_um = self.doubtful.terms[term.term];
-            let figures = shifted(&term.figures, doubtful_um);
-            term.change.is_bounded(doubtful_um).then(|| self.at_most_um(&figures, together_um))
-        });
-        let of_diagonals = self.diagonals.iter().map(|d| {
+        let (mut terms, mut diagonals) = (take(&mut self.terms), take(&mut self.diagonals));
+        for TermForecast { term, change, figures, .. } in &mut terms {
+            let together_um = self.together().map(|of| of.single.terms[*term]);
+            let doubtful_um = self.doubtful.terms[*term];
+            let at_most_um = || self.at_most_um(&shifted(figures, doubtful_um), together_um);
+            change.at_most_um = change.is_bounded(doubtful_um).then(at_most_um);
+        }
+        for d in &mut diagonals {
             let largest_um = self.range_um(d.name);
-            d.change.is_bounded(d.doubtful_um).then(|| match basis {
+            let is_bounded = d.change.is_bounded(d.doubtful_um);
+            d.change.at_most_um = is_bounded.then(|| match basis {
                 Basis::Forecast => {
-                    let halves = shifted(&d.halves, d.doubtful_um / 2.0);
+                    let halves = halves(std::slice::from_ref(d), 1.0);
                     2.0 * self.at_most_um(&halves, largest_um.map(|um| um / 2.0))
                 }
-                Basis::Measured => {
-                    self.at_most_um(&shifted(&[d.difference()], d.doubtful_um), largest_um)
-                }
-            })
-        });
-        let (of_terms, of_diagonals): (Vec<_>, Vec<_>) =
-            (of_terms.collect(), of_diagonals.collect());
-        let terms = self.terms.iter_mut().map(|term| &mut term.change).zip(of_terms);
-        let diagonals = self.diagonals.iter_mut().map(|d| &mut d.change).zip(of_diagonals);
-        terms.chain(diagonals).for_each(|(change, at_most_um)| change.at_most_um = at_most_um);
-        self
+                Basis::Measured => self.at_most_um(&[d.difference()], largest_um),
+            });
+        }
+        Forecast { terms, diagonals, ..self }
     }
 
     /// How far max − min along a diagonal of this name may be off.
@@ -386,65 +364,50 @@ impl Forecast {
         self.together().map(|largest| largest.single.diagonals[diagonal])
     }
 
-    /// `largest_um`: how far the largest error of these figures lies off, where that is known of all together;
-    /// figures with what is doubtful added, and taken off.
+    /// `figures`: with so many times what is doubtful; `largest_um`: how far their largest error lies off, where that is
+    /// known of all together.
     fn judge(
         &self,
-        [above, below]: [&[Magnitude]; 2],
+        figures: impl Fn(f64) -> Vec<Magnitude>,
         largest_um: Option<f64>,
         limit_um: f64,
     ) -> Verdict {
-        let judged = |figures| match self.basis {
-            Basis::Forecast => judge_forecast(figures, self.sigma, largest_um, limit_um),
-            Basis::Measured => judge_measured(figures, self.sigma, largest_um, limit_um),
+        let judged = |times| match self.basis {
+            Basis::Forecast => judge_forecast(&figures(times), self.sigma, largest_um, limit_um),
+            Basis::Measured => judge_measured(&figures(times), self.sigma, largest_um, limit_um),
         };
-        match judged(above) {
+        match judged(1.0) {
             Verdict::Pass => Verdict::Pass,
-            _ => judged(below).max(Verdict::Undecided),
+            _ => judged(-1.0).max(Verdict::Undecided),
         }
     }
 
     /// Every term together.
     pub(super) fn judge_all(&self, limit_um: f64) -> Verdict {
         let largest_um = self.together().map(|largest| largest.all_um);
-        self.judge([&self.shifted(1.0), &self.shifted(-1.0)], largest_um, limit_um)
+        self.judge(|times| self.shifted(times), largest_um, limit_um)
     }
 
     /// One term.
     pub(super) fn judge_term(&self, term: &TermForecast, limit_um: f64) -> Verdict {
         let largest_um = self.together().map(|largest| largest.single.terms[term.term]);
         let doubtful_um = self.doubtful.terms[term.term];
-        let both = [1.0, -1.0].map(|times| shifted(&term.figures, times * doubtful_um));
-        self.judge([&both[0], &both[1]], largest_um, limit_um)
+        self.judge(|times| shifted(&term.figures, times * doubtful_um), largest_um, limit_um)
     }
 
     /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
     /// two extreme values and fails on all its values.
-    pub(super) fn judge_diagonals(
-        &self,
-        diagonals: &[&DiagonalForecast],
-        limit_um: f64,
-    ) -> Verdict {
-        let halves = |times: f64| -> Vec<Magnitude> {
-            let of = |diagonal: &&DiagonalForecast| {
-                shifted(&diagonal.halves, times * diagonal.doubtful_um / 2.0)
-            };
-            diagonals.iter().flat_map(of).collect()
-        };
+    pub(super) fn judge_diagonals(&self, diagonals: &[DiagonalForecast], limit_um: f64) -> Verdict {
         let largest_um = match diagonals {
             [one] => self.range_um(one.name),
             _ => self.together().map(|largest| largest.ranges_um),
         };
-        let together = self.judge(
-            [&halves(1.0), &halves(-1.0)],
-            largest_um.map(|um| um / 2.0),
-            limit_um / 2.0,
-        );
+        let half_um = largest_um.map(|um| um / 2.0);
+        let together = self.judge(|times| halves(diagonals, times), half_um, limit_um / 2.0);
         if self.basis == Basis::Forecast {
             return together;
         }
-        let difference = |d: &&DiagonalForecast| shifted(&[d.difference()], d.doubtful_um);
-        let differences: Vec<Magnitude> = diagonals.iter().flat_map(difference).collect();
+        let differences: Vec<Magnitude> = diagonals.iter().map(|d| d.difference()).collect();
         match judge_measured(&differences, self.sigma, largest_um, limit_um) {
             Verdict::Pass => Verdict::Pass,
             _ => together.max(Verdict::Undecided),
@@ -457,20 +420,14 @@ impl Forecast {
         let unsaid = if unsaid { Verdict::Undecided } else { Verdict::Pass };
         let judged = |limit| self.judge_all(limit).max(unsaid);
         let terms = acceptance.max_deviation_um.map(judged);
-        let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
-        let diagonals = acceptance.max_diagonal_um.map(|limit| match all.is_empty() {
+        let diagonals = acceptance.max_diagonal_um.map(|limit| match self.diagonals.is_empty() {
             true => Verdict::Undecided,
-            false => self.judge_diagonals(&all, limit),
+            false => self.judge_diagonals(&self.diagonals, limit),
         });
         let judged = [terms, diagonals].into_iter().flatten().max();
-        let short = judged.is_some() && !self.is_range_known();
+        let short = judged.is_some() && !self.ranges.iter().all(JudgedRange::is_known);
         let short = short.then_some(Verdict::Undecided);
         judged.max(short).unwrap_or(Verdict::Pass)
-    }
-
-    /// Whether enough of every judged range was measured.
-    fn is_range_known(&self) -> bool {
-        self.ranges.iter().all(JudgedRange::is_known)
     }
 }
 
@@ -479,6 +436,12 @@ const SHOWN_UM: f64 = 0.001;
 
 /// What the printed digits do not show is no part, µm.
 const SHARE_UM: f64 = 0.005;
+
+/// Half of max − min at all places of diagonals, with so many times what is doubtful.
+fn halves(diagonals: &[DiagonalForecast], times: f64) -> Vec<Magnitude> {
+    let of = |d: &DiagonalForecast| shifted(&d.halves, times * d.doubtful_um / 2.0);
+    diagonals.iter().flat_map(of).collect()
+}
 
 /// Figures with so much more, none below 0.
 fn shifted(figures: &[Magnitude], by_um: f64) -> Vec<Magnitude> {

@@ -2,11 +2,11 @@
 //! limit. In words they are the sentences of the command line and of the JSON; a page makes its own lines of them.
 
 use super::share::{self, JudgedRange};
-use super::{DiagonalForecast, Forecast, TermForecast};
+use super::{Change, DiagonalForecast, Forecast, TermForecast};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Job};
 use crate::judge::conformity::Verdict;
-use crate::quantity::{Direction, ErrorTerm, larger};
+use crate::quantity::{Direction, ErrorTerm};
 use crate::text::joined;
 use std::cmp::Ordering;
 use std::fmt;
@@ -104,14 +104,6 @@ impl Miss {
             Miss::NotStated(_) => (Verdict::Undecided, f64::INFINITY),
         }
     }
-
-    fn is_kept(&self) -> bool {
-        match self {
-            Miss::Figure { verdict, .. } => *verdict == Verdict::Pass,
-            Miss::Range(range) => range.is_known(),
-            Miss::NotStated(_) => false,
-        }
-    }
 }
 
 impl Forecast {
@@ -134,56 +126,27 @@ impl Forecast {
         let unsaid = self.silence.not_stated.iter().filter(|_| limit.is_some());
         let unsaid = unsaid.copied().map(Miss::NotStated);
         let terms = unsaid.chain(limit.iter().flat_map(|limit| self.terms_missing(*limit)));
-        let diagonals = acceptance.max_diagonal_um.iter();
+        let diagonals = acceptance.max_diagonal_um.iter().filter(|_| !self.diagonals.is_empty());
         let diagonals = diagonals.flat_map(|limit| self.diagonals_missing(*limit));
         let asked = !acceptance.asks_nothing();
-        let ranges = self.ranges.iter().filter(|_| asked);
-        let ranges = ranges.cloned().map(Miss::Range);
-        let ranges = ranges.filter(|range| !range.is_kept());
-        terms.chain(diagonals).chain(ranges).collect()
+        let ranges = self.ranges.iter().filter(|range| asked && !range.is_known());
+        terms.chain(diagonals).chain(ranges.cloned().map(Miss::Range)).collect()
     }
 
     fn terms_missing(&self, limit_um: f64) -> Vec<Miss> {
-        let one = |term: &TermForecast| Miss::Figure {
-            of: Of::Term(term.term),
-            um: term.change.after_um,
-            at_most_um: term.change.at_most_um,
-            limit_um,
-            verdict: self.judge_term(term, limit_um),
-        };
-        let all = |verdict| Miss::Figure {
-            of: Of::Terms,
-            um: self.max_residual_um(),
-            at_most_um: self.all_at_most_um(),
-            limit_um,
-            verdict,
-        };
-        let verdict = || self.judge_all(limit_um);
-        singly_or_together(self.terms.iter().map(one), verdict, all)
+        let one =
+            |own: &TermForecast| (Of::Term(own.term), own.change, self.judge_term(own, limit_um));
+        let all = || (Of::Terms, self.max_residual_um(), self.all_at_most_um());
+        missing(limit_um, self.terms.iter().map(one), || self.judge_all(limit_um), all)
     }
 
     fn diagonals_missing(&self, limit_um: f64) -> Vec<Miss> {
-        let one = |diagonal: &DiagonalForecast| Miss::Figure {
-            of: Of::Diagonal(diagonal.name),
-            um: diagonal.change.after_um,
-            at_most_um: diagonal.change.at_most_um,
-            limit_um,
-            verdict: self.judge_diagonals(&[diagonal], limit_um),
+        let judge = |diagonals: &[DiagonalForecast]| self.judge_diagonals(diagonals, limit_um);
+        let one = |own: &DiagonalForecast| {
+            (Of::Diagonal(own.name), own.change, judge(std::slice::from_ref(own)))
         };
-        let diagonals: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
-        if diagonals.is_empty() {
-            return Vec::new();
-        }
-        let um = diagonals.iter().map(|d| d.change.after_um).fold(0.0, larger);
-        let all = |verdict| Miss::Figure {
-            of: Of::Diagonals,
-            um,
-            at_most_um: self.ranges_at_most_um(&diagonals),
-            limit_um,
-            verdict,
-        };
-        let verdict = || self.judge_diagonals(&diagonals, limit_um);
-        singly_or_together(self.diagonals.iter().map(one), verdict, all)
+        let all = || (Of::Diagonals, self.max_range_um(), self.ranges_at_most_um());
+        missing(limit_um, self.diagonals.iter().map(one), || judge(&self.diagonals), all)
     }
 
     /// What a verdict rests on, and what it does not count.
@@ -230,27 +193,31 @@ impl Forecast {
     fn without_u(&self) -> Option<RestsOn> {
         let without = self.terms.iter().filter(|t| t.change.u_um.is_none());
         let without: Vec<ErrorTerm> = without.map(|t| t.term).collect();
-        match without.len() {
-            0 => None,
-            all if all == self.terms.len() => Some(RestsOn::WithoutU(Vec::new())),
-            _ => Some(RestsOn::WithoutU(without)),
-        }
+        let all = without.len() == self.terms.len();
+        (!without.is_empty()).then(|| RestsOn::WithoutU(if all { Vec::new() } else { without }))
     }
 }
 
 /// The figures that miss a limit by themselves; where none does, whether all together do, whose U takes long
 /// and is asked for only then.
-fn singly_or_together(
-    each: impl Iterator<Item = Miss>,
-    verdict: impl Fn() -> Verdict,
-    all: impl Fn(Verdict) -> Miss,
+fn missing(
+    limit_um: f64,
+    each: impl Iterator<Item = (Of, Change, Verdict)>,
+    together: impl Fn() -> Verdict,
+    all: impl Fn() -> (Of, f64, Option<f64>),
 ) -> Vec<Miss> {
-    let missing: Vec<Miss> = each.filter(|judged| !judged.is_kept()).collect();
-    if !missing.is_empty() {
-        return missing;
+    let figure =
+        |(of, um, at_most_um), verdict| Miss::Figure { of, um, at_most_um, limit_um, verdict };
+    let missed = |verdict: &Verdict| *verdict != Verdict::Pass;
+    let singly = each.filter(|(.., verdict)| missed(verdict));
+    let singly =
+        singly.map(|(of, own, verdict)| figure((of, own.after_um, own.at_most_um), verdict));
+    let singly: Vec<Miss> = singly.collect();
+    if !singly.is_empty() {
+        return singly;
     }
-    let together = Some(verdict()).filter(|verdict| *verdict != Verdict::Pass);
-    together.map(all).into_iter().collect()
+    let together = Some(together()).filter(missed);
+    together.map(|verdict| figure(all(), verdict)).into_iter().collect()
 }
 
 /// Which errors a verdict speaks of.
@@ -278,21 +245,21 @@ impl fmt::Display for Of {
 
 impl fmt::Display for Miss {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (of, um, at_most_um, limit_um, verdict) = match self {
-            Miss::Range(range) => return out.write_str(&range.missing().unwrap_or_default()),
+        match self {
+            Miss::Range(range) => out.write_str(&range.missing()),
             Miss::NotStated(cause) => {
                 let (what, key, advice) = (words(*cause), cause.word(), advice(*cause));
-                return write!(out, "{what} not stated: state `{key}` ({advice}): undecided");
+                write!(out, "{what} not stated: state `{key}` ({advice}): undecided")
             }
             Miss::Figure { of, um, at_most_um, limit_um, verdict } => {
-                (of, um, at_most_um, limit_um, verdict.word())
+                let at_most = match at_most_um {
+                    None => "U not stated".to_string(),
+                    Some(um) => format!("at most {um:.3} µm with 95 %"),
+                };
+                let verdict = verdict.word();
+                write!(out, "{of} {um:.3} µm, {at_most}, the limit is {limit_um} µm: {verdict}")
             }
-        };
-        let at_most = match at_most_um {
-            None => "U not stated".to_string(),
-            Some(um) => format!("at most {um:.3} µm with 95 %"),
-        };
-        write!(out, "{of} {um:.3} µm, {at_most}, the limit is {limit_um} µm: {verdict}")
+        }
     }
 }
 
@@ -312,17 +279,9 @@ impl fmt::Display for RestsOn {
             ),
             RestsOn::OneWay(way) => write!(out, "moving {way} only"),
             RestsOn::ReversalNotCounted => out.write_str("reversal measured, but not counted"),
-            RestsOn::NoReversal(terms) if terms.is_empty() => {
-                out.write_str("reversal not measured")
-            }
-            RestsOn::NoReversal(terms) => {
-                write!(out, "reversal of {} not measured", joined(terms))
-            }
-            RestsOn::WithoutU(terms) if terms.is_empty() => {
-                out.write_str("U is not stated and counted as 0")
-            }
+            RestsOn::NoReversal(terms) => write!(out, "reversal{} not measured", of(terms)),
             RestsOn::WithoutU(terms) => {
-                write!(out, "U of {} is not stated and counted as 0", joined(terms))
+                write!(out, "U{} is not stated and counted as 0", of(terms))
             }
             RestsOn::Neglected(causes) => {
                 let words: Vec<&str> = causes.iter().map(|cause| words(*cause)).collect();
@@ -334,6 +293,11 @@ impl fmt::Display for RestsOn {
             ),
         }
     }
+}
+
+/// ` of EXX, EYX`; nothing of all.
+fn of(terms: &[ErrorTerm]) -> String {
+    if terms.is_empty() { String::new() } else { format!(" of {}", joined(terms)) }
 }
 
 /// What a cause is.

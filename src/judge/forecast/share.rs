@@ -5,6 +5,7 @@ use crate::machine::model::ErrorModel;
 use crate::quantity::{
     Axis, Direction, ErrorCurve, ErrorTerm, Figure, Millimetres, PerAxis, USUAL_MM, larger, pitch,
 };
+use crate::text::joined;
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
 /// targets of an acceptance test stay clear of the ends by half a step or so.
@@ -16,7 +17,8 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 /// From here on a share is called the whole.
 const WHOLE: f64 = 0.995;
 
-type Range = (Millimetres, Millimetres);
+/// From where to where.
+pub(super) type Range = (Millimetres, Millimetres);
 
 /// The part of an axis that is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,8 +58,8 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
     let stated = job.acceptance.range[axis];
     let judged = stated.unwrap_or((machine.low, machine.high));
     let whole = (judged.1 - judged.0).mm();
-    let gaps = || places.windows(2).map(|pair| (pair[1] - pair[0]).mm());
-    let near = |pair: &&[Millimetres]| (pair[1] - pair[0]).mm() <= WIDEST_GAP * ROUNDING * whole;
+    let gap_mm = |pair: &[Millimetres]| (pair[1] - pair[0]).mm();
+    let near = |pair: &&[Millimetres]| gap_mm(pair) <= WIDEST_GAP * ROUNDING * whole;
     let common = |pair: &[Millimetres]| {
         let (low, high) = within(judged, Some((pair[0], pair[1])));
         larger((high - low).mm(), 0.0)
@@ -68,7 +70,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
         is_stated: stated.is_some(),
         measured: (*places.first()?, *places.last()?),
         share: places.windows(2).filter(near).map(common).fold(0.0, |a, b| a + b) / whole,
-        gap_mm: gaps().fold(0.0, larger),
+        gap_mm: places.windows(2).map(gap_mm).fold(0.0, larger),
         unseen: pitch::unseen(places),
     })
 }
@@ -79,28 +81,24 @@ impl JudgedRange {
         self.share >= COVERED
     }
 
-    /// Why a verdict is undecided, in a sentence; `None` = enough was measured.
-    pub fn missing(&self) -> Option<String> {
+    /// Why a verdict is undecided where not enough was measured, in a sentence.
+    pub fn missing(&self) -> String {
         let (from, to) = (self.measured.0.mm(), self.measured.1.mm());
         let (low, high) = (self.judged.0.mm(), self.judged.1.mm());
         let (axis, key) = (self.axis, self.axis.key());
-        let what = match self.is_stated {
-            true => "of the range to be judged",
-            false => "of its travel",
-        };
-        let help = match self.is_stated {
-            true => "measure the rest".to_string(),
-            false => format!(
-                "measure the rest, or state the range to be judged in [acceptance], e.g. `range_mm = {{ {key} = [{from}, {to}] }}`"
+        let (what, help) = match self.is_stated {
+            true => ("of the range to be judged", "measure the rest".to_string()),
+            false => (
+                "of its travel",
+                format!(
+                    "measure the rest, or state the range to be judged in [acceptance], e.g. `range_mm = {{ {key} = [{from}, {to}] }}`"
+                ),
             ),
         };
-        (!self.is_known()).then(|| {
-            format!(
-            "{axis} was measured from {from} to {to} mm with a target spacing of up to {} mm, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
-            Figure(self.gap_mm).trimmed(3),
-            percent(self.share)
+        let (gap, share) = (Figure(self.gap_mm).trimmed(3), percent(self.share));
+        format!(
+            "{axis} was measured from {from} to {to} mm with a target spacing of up to {gap} mm, {share} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}"
         )
-        })
     }
 
     /// Whether the whole of it was measured.
@@ -120,9 +118,9 @@ fn percent(share: f64) -> String {
 pub(super) fn hidden_pitches(ranges: &[JudgedRange]) -> String {
     let of = |alike: &[JudgedRange]| {
         let hidden = USUAL_MM.iter().zip(alike[0].unseen).filter(|(_, unseen)| *unseen);
-        let hidden: Vec<String> = hidden.map(|(mm, _)| mm.to_string()).collect();
+        let hidden = joined(hidden.map(|(mm, _)| mm));
         let axes: Vec<Axis> = alike.iter().map(|range| range.axis).collect();
-        (!hidden.is_empty()).then(|| format!("{} mm ({})", hidden.join(", "), Axis::letters(&axes)))
+        (!hidden.is_empty()).then(|| format!("{hidden} mm ({})", Axis::letters(&axes)))
     };
     let alike = ranges.chunk_by(|a, b| a.unseen == b.unseen);
     alike.filter_map(of).collect::<Vec<String>>().join("; ")
@@ -153,8 +151,7 @@ pub(super) fn words(ranges: &[JudgedRange]) -> String {
             (false, _) => format!("{share} of the travel of {}", range.axis),
         }
     };
-    let all: Vec<String> = ranges.iter().map(one).collect();
-    format!("over {}{gap}", all.join(", "))
+    format!("over {}{gap}", joined(ranges.iter().map(one)))
 }
 
 /// The stated ranges; `None` = all that was measured is judged.
@@ -199,12 +196,7 @@ impl<'a> Machine<'a> {
 }
 
 /// What two ranges have in common; the first where there is no second.
-pub(super) fn within(
-    (from, to): (Millimetres, Millimetres),
-    other: Option<(Millimetres, Millimetres)>,
-) -> (Millimetres, Millimetres) {
+pub(super) fn within((from, to): Range, other: Option<Range>) -> Range {
     let (low, high) = other.unwrap_or((from, to));
-    let from = if low > from { low } else { from };
-    let to = if high < to { high } else { to };
-    (from, to)
+    (if low > from { low } else { from }, if high < to { high } else { to })
 }

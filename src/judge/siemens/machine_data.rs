@@ -5,7 +5,7 @@ use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
 use crate::judge::findings::{Difference, InControl};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue, datum};
-use crate::text::Finding;
+use crate::text::{Finding, grouped};
 use std::ops::RangeInclusive;
 
 /// A machine or setting datum of the job.
@@ -99,24 +99,17 @@ pub(super) fn differences(
 
 /// Once for all data that stand alike.
 fn wrong(task: &'static str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<Difference> {
-    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
-    for own in owned {
+    let groups = grouped(owned.iter().filter_map(|own| {
         let value = data.iter().rev().find(|datum| own.variable == datum.variable);
         let value = value.map(|datum| &datum.value);
-        if value.and_then(MachineValue::number).is_some_and(|number| own.right.contains(&number)) {
-            continue;
-        }
+        let number = value.and_then(MachineValue::number);
+        let is_right = number.is_some_and(|number| own.right.contains(&number));
         let set = value.map_or("not written".to_string(), |value| format!("set to {value}"));
         let stands = format!("{set}, expected {}", own.expected);
-        let of = format!("{} ({})", own.of, own.datum.0);
-        match groups.iter_mut().find(|(known, _)| *known == stands) {
-            Some((_, names)) => names.push(of),
-            None => groups.push((stands, vec![of])),
-        }
-    }
-    let groups = groups.into_iter();
+        (!is_right).then(|| (stands, format!("{} ({})", own.of, own.datum.0)))
+    }));
     let not_set = |(stands, data)| Difference::NotSet { task, data, stands };
-    groups.map(not_set).collect()
+    groups.into_iter().map(not_set).collect()
 }
 
 /// Files that are not there (or that a profile of one's own leaves out), and the data to see to

@@ -12,7 +12,7 @@ use crate::judge::siemens::machine_data::{
 };
 use crate::quantity::{Axis, PerAxis, UM_PER_MM};
 use crate::read::siemens::{
-    MachineDatum, ReadOut, SiemensContents, has_active_data, is_switch, merge, read_out,
+    MachineDatum, SiemensContents, has_active_data, is_switch, merge, read_out,
 };
 use crate::text::Problems;
 
@@ -21,8 +21,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
     let texts = reading.texts;
     // Where part programs are all that there is, they count.
     let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
-    let mut all = merge(contents(texts, reads_programs, reading)?)?;
-    let told = std::mem::take(&mut all.read_out);
+    let all = merge(contents(texts, reads_programs, reading)?)?;
     reading.findings.extend(all.notes.iter().cloned());
     if !all.unwritten.is_empty() {
         let parameters = all.unwritten.clone();
@@ -33,18 +32,18 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         reading.tell(InControl::Idle { tables });
     }
     let is_agreed = |datum: &&MachineDatum| {
-        !(is_switch(&datum.variable) && told.twice.contains(&datum.variable))
+        !(is_switch(&datum.variable) && all.twice.contains(&datum.variable))
     };
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
         data: all.machine_data.iter().filter(is_agreed).cloned().collect(),
-        without_grid: [&told.without_grid[..], &all.idle[..]].concat(),
+        without_grid: [&all.without_grid[..], &all.idle[..]].concat(),
     };
     let mut sorted = Sorted { reading, all, held };
-    for variable in &told.twice {
+    for variable in std::mem::take(&mut sorted.all.twice) {
         sorted.several_values(variable);
     }
-    sorted.tell_programs(&told, reads_programs);
+    sorted.tell_programs(reads_programs);
     let tables = sorted.tables();
     sorted.tell_what_was_not_read_out();
     let unit = sorted.value(UNIT, "").map(ControlUnit::of_metric);
@@ -63,24 +62,18 @@ fn contents(
     reads_programs: bool,
     reading: &mut ReadOutReader<'_>,
 ) -> Result<Vec<SiemensContents>, Problems> {
-    let mut problems = Problems::none();
-    let mut all = Vec::new();
+    let all = Problems::all(texts.iter().map(|(name, text)| read_out(name, text, reads_programs)))?;
     let mut passed_over = Vec::new();
-    for (name, text) in texts {
-        let Some(contents) = problems.take(read_out(name, text, reads_programs)) else {
-            continue;
-        };
-        tell_units(reading, name, &contents.read_out.units);
-        let told = &contents.read_out;
+    for ((name, _), told) in texts.iter().zip(&all) {
+        tell_units(reading, name, &told.units);
         passed_over.push((*name, told.passed_over, "other machine data"));
         passed_over.push((*name, told.without_grid.len(), "reserved tables without a grid"));
-        all.push(contents);
     }
     passed_over.sort_by_key(|(file, ..)| *file);
     for (file, count, what) in passed_over.into_iter().filter(|(_, count, _)| *count > 0) {
         reading.tell(InControl::PassedOver { file: file.to_string(), count, what });
     }
-    problems.or_ok(all)
+    Ok(all)
 }
 
 /// `METRIC` and `INCH` tell the unit of what follows, whichever the control counts in.
@@ -108,11 +101,11 @@ pub(super) struct Sorted<'a, 'b> {
 impl Sorted<'_, '_> {
     /// Part programs: no state beside active data, and where nothing else was read out, what they
     /// would make of it.
-    fn tell_programs(&mut self, told: &ReadOut, are_read: bool) {
+    fn tell_programs(&mut self, are_read: bool) {
         const MOST_NAMES: usize = 6;
-        let names = match told.programs.len() {
+        let names = match self.all.programs.len() {
             0 => return,
-            1..=MOST_NAMES => told.programs.join(", "),
+            1..=MOST_NAMES => self.all.programs.join(", "),
             many => many.to_string(),
         };
         let has_tables = !self.all.tables.tables.is_empty();
@@ -120,7 +113,7 @@ impl Sorted<'_, '_> {
         self.reading.tell(match (judges, are_read) {
             (true, true) => InControl::ProgramsOnly { names },
             (false, true) => InControl::ProgramsCount { names },
-            (false, false) if told.programs_write_tables && !has_tables => {
+            (false, false) if self.all.programs_write_tables && !has_tables => {
                 InControl::TablesInPrograms { names }
             }
             (_, false) => InControl::ProgramsPassedOver { names },
@@ -129,12 +122,11 @@ impl Sorted<'_, '_> {
 
     /// A variable that the files hold with several values. Switches are made for being changed, and
     /// how much memory is reserved does nothing.
-    fn several_values(&mut self, name: &str) {
+    fn several_values(&mut self, name: String) {
         if name.contains("_MAX_POINTS") {
             return;
         }
-        let (concerns_the_job, judges) = (self.concerns_the_job(name), self.reading.judges());
-        let name = name.to_string();
+        let (concerns_the_job, judges) = (self.concerns_the_job(&name), self.reading.judges());
         self.reading.tell(match (concerns_the_job, is_switch(&name)) {
             (false, _) => InControl::SeveralOfOthers { name },
             (true, true) if !judges => InControl::LastCounts { name },
@@ -375,7 +367,7 @@ mod tests {
         let off = "$MA_CEC_ENABLE[AX1]=0\n$MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";
         let parts = [on, off, on].map(|text| read("part", text).unwrap());
         let all = merge(parts.to_vec()).unwrap();
-        assert!(all.read_out.twice.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
+        assert!(all.twice.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
         assert_eq!(all.machine_data.len(), 2);
     }
 }

@@ -33,19 +33,12 @@ const BLANKS: [char; 3] = [' ', '\t', '\r'];
 /// The same number of bytes, but in each run of line ends with an LF the CR stand first: LF CR CR and
 /// CR LF then both end a line exactly once, which an editor shows. A CR alone stays where it is and ends none.
 pub(super) fn uniform_line_ends(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(at) = rest.find(['\r', '\n']) {
-        out.push_str(&rest[..at]);
-        rest = &rest[at..];
-        let length = rest.find(|c| c != '\r' && c != '\n').unwrap_or(rest.len());
-        let feeds = rest[..length].matches('\n').count();
-        out.push_str(&"\r".repeat(length - feeds));
-        out.push_str(&"\n".repeat(feeds));
-        rest = &rest[length..];
+    let is_end = |byte: &u8| matches!(byte, b'\r' | b'\n');
+    let mut bytes = text.as_bytes().to_vec();
+    for run in bytes.chunk_by_mut(|a, b| is_end(a) && is_end(b)) {
+        run.sort_unstable_by(|a, b| b.cmp(a));
     }
-    out.push_str(rest);
-    out
+    String::from_utf8(bytes).unwrap_or_default()
 }
 
 /// The number of a block and what follows it, where the text begins with `N` and a number as data do, also

@@ -18,9 +18,9 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::Direction;
-use crate::read::emulate::{Emulated, Response};
+use crate::read::emulate::{Emulated, Response, cannot};
 use crate::read::listed::{Pair, PairControl};
-use parameters::{Loading, Run, cannot};
+use parameters::{Loading, Run};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// 1006#5 ZMI: 1 = reference return in −.
@@ -55,10 +55,10 @@ pub(super) fn control(
         let ways = pitch::load(from, number, &mut runs)?;
         pairs.extend(ways.map(|ways| ((name.clone(), name), ways)));
     }
-    for shift in straightness::load(from, &mut runs)? {
-        let axes = (from.axis(shift.moving)?, from.axis(shift.compensation)?);
+    for ([moving, compensation], table) in straightness::load(from, &mut runs)? {
+        let axes = (from.axis(moving)?, from.axis(compensation)?);
         let ways = pairs.entry((axes.0.name.clone(), axes.1.name.clone())).or_default();
-        ways.iter_mut().for_each(|way| way.push(shift.table.clone()));
+        ways.iter_mut().for_each(|way| way.push(table.clone()));
     }
     refuse_shared(&runs)?;
     let pairs = pairs.into_iter().map(|((base, output), ways)| Pair { base, output, ways });

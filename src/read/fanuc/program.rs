@@ -1,6 +1,5 @@
 //! FANUC part programs of measuring runs: `%` frames the program, `O` numbers it, `(…)` is a comment.
 
-use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
 use crate::read::program::blocks::{Cancelled::*, Code, Vocabulary, refuse, without_comments};
@@ -10,27 +9,12 @@ use part_program::Language;
 pub(in crate::read) const VOCABULARY: Vocabulary =
     Vocabulary { language: Language::Iso, words: &WORDS, blocks };
 
-/// G17, G61 and G64 (exact stop, cutting) do not change where the axes go.
-const WORDS: [(&str, Meaning); 20] = [
-    ("G0", Rapid),
-    ("G1", Feed),
-    ("G4", Dwell),
-    ("G17", Neutral),
-    ("G61", Neutral),
-    ("G64", Neutral),
-    ("G94", FeedPerMinute),
-    ("G20", Unit(ControlUnit::Inch)),
-    ("G21", Unit(ControlUnit::Millimetre)),
-    ("G40", Cancel(ToolRadius)),
-    ("G49", Cancel(ToolLength)),
+/// G61 (exact stop) does not change where the axes go, nor does G64 (cutting).
+const WORDS: [(&str, Meaning); 5] = [
     ("G50", Cancel(Scaling)),
     ("G50.1", CancelOfAxes(Mirroring)),
-    ("G53", Machine),
+    ("G61", Neutral),
     ("G69", Cancel(Rotation)),
-    ("G80", Cancel(Cycle)),
-    ("G90", Absolute),
-    ("G91", Incremental),
-    ("M0", Stop),
     ("M30", End),
 ];
 
@@ -38,9 +22,7 @@ fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
     let mut blocks = Vec::new();
     let (mut frames, mut numbered) = (0, false);
     for line in lines(text) {
-        let Some(code) = without_comments(&text[line.clone()]) else {
-            return Err(refuse(line, "the brackets of a comment do not match"));
-        };
+        let code = without_comments(text, &line)?;
         let code = code.trim();
         match (code, frames) {
             ("%", _) => frames += 1,

@@ -1,6 +1,7 @@
 //! What a row of the generic table must be, and what the rows must be to each other.
 
 use crate::quantity::{Axis, Direction, ErrorTerm};
+use crate::read::emulate::step_of;
 use crate::text::{Problem, Problems};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -8,9 +9,7 @@ use std::collections::BTreeMap;
 /// Two increments closer than this are the same, µm: the rounding of a difference of two
 /// corrections, far below any count of a control.
 const SAME_INCREMENT_UM: f64 = 1e-9;
-/// How far a position may be from its equally spaced place: this many mm …
-const OFF_GRID_MM: f64 = 1e-6;
-/// … and this part of the position, for its rounding.
+/// Part of a position by which it may be from its equally spaced place, for its rounding.
 const OFF_GRID_RELATIVE: f64 = 1e-9;
 /// Names of axes in one file; no control has more.
 const MOST_AXES: usize = 32;
@@ -110,15 +109,13 @@ pub(super) fn checked(
             check(number, &row, &mut flaws);
             rows.push(row);
         }
-        let told = flaws.drain(..);
-        told.for_each(|flaw| problems.push(problem(flaw)));
+        flaws.drain(..).for_each(|flaw| problems.push(problem(flaw)));
     }
     if problems.is_empty() {
         flaws = relations(&rows);
         flaws.sort_by_key(|flaw| flaw.row);
         flaws.truncate(MOST_RELATIONS);
-        let told = flaws.into_iter();
-        told.for_each(|flaw| problems.push(problem(flaw)));
+        flaws.into_iter().for_each(|flaw| problems.push(problem(flaw)));
     }
     problems.or_ok(rows)
 }
@@ -309,7 +306,7 @@ fn step_flaws(rows: &[Row], block: &[usize]) -> impl Iterator<Item = Flaw> {
 /// The row with the most unusual step, if the positions are not equally spaced.
 fn spacing_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let at: Vec<f64> = block.iter().map(|row| rows[*row].position_mm).collect();
-    if is_equally_spaced(&at) {
+    if step_of(&at, OFF_GRID_RELATIVE).is_some() {
         return None;
     }
     let steps: Vec<f64> = at.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -325,15 +322,4 @@ fn spacing_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
         format!("`position_mm` is {} mm after the row before, expected {usual} mm", steps[worst]);
     let help = "the positions of a block are equally spaced; a row may be missing";
     Some(Flaw::new(block[worst + 1], "position_mm", message, help))
-}
-
-fn is_equally_spaced(at: &[f64]) -> bool {
-    let (Some(first), Some(last)) = (at.first(), at.last()) else {
-        return true;
-    };
-    let step = (last - first) / (at.len().max(2) - 1) as f64;
-    at.iter().enumerate().all(|(index, position)| {
-        let expected = first + step * index as f64;
-        (position - expected).abs() <= OFF_GRID_MM + OFF_GRID_RELATIVE * position.abs()
-    })
 }

@@ -64,10 +64,7 @@ pub(super) fn read(file: &str, text: &str, as_shown: bool) -> Result<Vec<Row>, P
     if let Some(problem) = too_many {
         return Err(problem.at(header.whole()).into());
     }
-    let mut problems = Problems::none();
-    let mut points = Vec::with_capacity(lines.len());
-    points.extend(lines.iter().filter_map(|line| problems.take(point(*line, &columns))));
-    let mut points = problems.or_ok(points)?;
+    let mut points = Problems::all(lines.iter().map(|line| point(*line, &columns)))?;
     let sums: Vec<Point<'_>> = points.extract_if(.., |point| point.is_sum).collect();
     refuse_other_sums(&points, &sums, &columns)?;
     let was_seen = points.iter().any(|point| point.seen_um.is_some());

@@ -16,8 +16,9 @@ use crate::control::table::isg::{Curve, IsgTables, Parameter};
 use crate::quantity::{
     Axis, Correction, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm, Rotation, unit,
 };
-use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
+use crate::read::emulate::{Emulated, Emulator, NodeTable, Response, cannot};
 use crate::read::listed::known_axis;
+use std::cmp::Ordering;
 
 /// A control with a compensation in memory.
 #[derive(Clone, Debug)]
@@ -44,22 +45,17 @@ impl IsgControl {
     /// **unit** `state.unit` has no say: the files are in mm · **limits** fails if an axis is not one of the
     /// control, and where angles act on axes whose correction is turned round or left out
     pub fn new(tables: &IsgTables, facts: &IsgFacts, state: &ControlState) -> Emulated<IsgControl> {
-        let mut axes = PerAxis::default();
-        for (axis, number) in tables.axes.iter() {
-            axes[axis] = number.map(|number| known_axis(state, &number.to_string()).cloned());
-        }
         let is_changed = |axis: &Axis| tables.negated[*axis] || tables.zeroed[*axis];
         if tables.has_angles() && Axis::ALL.iter().any(is_changed) {
-            let words = "`negate` and `set_to_zero` beside angles are not emulated";
-            return Err(CannotEmulate(words.to_string()));
+            return cannot("`negate` and `set_to_zero` beside angles are not emulated");
         }
-        let PerAxis { x, y, z } = axes;
-        let (x, y, z) = (x.transpose()?, y.transpose()?, z.transpose()?);
-        let axes = PerAxis { x, y, z };
-        let response = |parameter: Parameter, sign: TableSign| {
-            let curve = tables.curve(parameter)?;
-            response(curve, sign)
-        };
+        let mut axes = PerAxis::default();
+        for (axis, number) in tables.axes.iter() {
+            if let Some(number) = number {
+                axes[axis] = Some(known_axis(state, &number.to_string())?.clone());
+            }
+        }
+        let response = |parameter, sign| response(tables.curve(parameter)?, sign);
         let origin = |axis: Axis| match (facts.lever_origin.value, &axes[axis]) {
             (LeverOrigin::Reference, Some(own)) => own.reference.mm(),
             _ => 0.0,
@@ -102,11 +98,9 @@ impl IsgControl {
     fn beside(&self, axis: Axis, behind: bool) -> impl Iterator<Item = Axis> {
         let place = |axis: Axis| self.tables.chain.iter().position(|other| *other == axis);
         let own = place(axis);
-        let is_it = move |other: &&Axis| match behind {
-            true => place(**other) > own,
-            false => place(**other) < own,
-        };
-        self.tables.chain.iter().filter(is_it).copied()
+        let side = if behind { Ordering::Greater } else { Ordering::Less };
+        let is_there = move |other: &&Axis| place(**other).cmp(&own) == side;
+        self.tables.chain.iter().filter(is_there).copied()
     }
 
     /// The most that an angle takes off anywhere, µrad.
@@ -118,12 +112,10 @@ impl IsgControl {
 
     /// The farthest that an axis gets from its rest, mm.
     fn farthest(&self, axis: Axis) -> f64 {
-        let far = |own: &AxisState| {
-            let ends = [own.travel.0, own.travel.1];
-            ends.map(|end| (end.mm() - own.rest.mm()).abs())
-        };
-        let ends = self.axes[axis].as_ref().map_or([0.0; 2], far);
-        f64::max(ends[0], ends[1])
+        self.axes[axis].as_ref().map_or(0.0, |own| {
+            let far = |end: Millimetres| (end - own.rest).mm().abs();
+            far(own.travel.0).max(far(own.travel.1))
+        })
     }
 
     /// What the angles of an axis do to another as the axes behind it leave their rest, µm: at a place, or at most.
@@ -164,10 +156,7 @@ impl IsgControl {
         let way = unit(along).times(at - self.origin[along]);
         let tilted = self.tilt(along).cross(way);
         let um = swung.plus(tilted)[of] / MM_PER_M;
-        match self.tables.negated[of] {
-            true => -um,
-            false => um,
-        }
+        if self.tables.negated[of] { -um } else { um }
     }
 
     /// Every place where what angles and constants do while an axis moves bends; none where they do nothing.

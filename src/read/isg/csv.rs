@@ -1,9 +1,8 @@
 //! `ISG_CSV`: blocks of a header and rows of numbers between blanks; `//` begins a comment, `#` ends a block.
 
-use super::line::{number, without_comment};
 use crate::control::table::isg::{Curve, Parameter, Point};
 use crate::quantity::Axis;
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, number, words};
 use crate::text::{Problems, shown};
 use std::ops::Range;
 
@@ -30,7 +29,8 @@ pub(super) fn curves(file: &str, text: &str) -> Result<Vec<Curve>, Problems> {
     let mut curves: Vec<Curve> = Vec::new();
     let mut block: Option<Block> = None;
     for line in lines(text) {
-        let line = without_comment(text, line);
+        let comment = text[line.clone()].find("//");
+        let line = line.start..comment.map_or(line.end, |at| line.start + at);
         let words = words(text, line.clone());
         let ended = words.first().is_some_and(|(word, _)| word.starts_with('#'));
         let done = match (&mut block, &words[..]) {
@@ -45,10 +45,7 @@ pub(super) fn curves(file: &str, text: &str) -> Result<Vec<Curve>, Problems> {
         }
     }
     complaints.extend(end(block, &mut curves).err());
-    match complaints.is_empty() {
-        true => Ok(curves),
-        false => Err(located(file, text, complaints)),
-    }
+    located(file, text, complaints).or_ok(curves)
 }
 
 /// Words of a line with their places.
@@ -57,8 +54,12 @@ type Words<'a> = [(&'a str, Range<usize>)];
 fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
     let columns = header.iter().map(|(word, span)| column(word, span.clone()));
     let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
+    let arguments = columns.iter().filter_map(|column| match column {
+        Column::Argument(axis) => Some(*axis),
+        _ => None,
+    });
+    let arguments: Vec<Axis> = arguments.collect();
     let block = Block { columns, span: span.clone(), rows: Vec::new() };
-    let arguments = block.arguments();
     let own = |parameter: &Parameter| match parameter.along() {
         Some(axis) => arguments == [axis],
         None => arguments.is_empty(),
@@ -78,11 +79,10 @@ fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
 }
 
 fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
-    let name = word.to_ascii_uppercase();
-    let is_axis = |axis: &Axis| axis.letter().to_string() == name;
-    if let Some(axis) = Axis::ALL.into_iter().find(is_axis) {
+    if let Some(axis) = Axis::from_letter(word) {
         return Ok(Column::Argument(axis));
     }
+    let name = word.to_ascii_uppercase();
     if let Some(parameter) = Parameter::all().find(|own| own.to_string() == name) {
         return Ok(Column::Parameter(parameter));
     }
@@ -98,14 +98,6 @@ fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
 }
 
 impl Block {
-    fn arguments(&self) -> Vec<Axis> {
-        let arguments = self.columns.iter().filter_map(|column| match column {
-            Column::Argument(axis) => Some(*axis),
-            _ => None,
-        });
-        arguments.collect()
-    }
-
     fn parameters(&self) -> impl Iterator<Item = (usize, Parameter)> {
         let columns = self.columns.iter().enumerate();
         columns.filter_map(|(index, column)| match column {
@@ -185,12 +177,9 @@ fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
             let span = block.span.clone();
             return Err(Complaint::new(span, message, "give each parameter once"));
         }
-        let points = block
-            .rows
-            .iter()
-            .map(|row| Point { position: argument.map_or(0.0, |at| row[at]), value: row[index] });
-        let points = points.collect();
-        curves.push(Curve { parameter, points });
+        let position = |row: &[f64]| argument.map_or(0.0, |at| row[at]);
+        let point = |row: &Vec<f64>| Point { position: position(row), value: row[index] };
+        curves.push(Curve { parameter, points: block.rows.iter().map(point).collect() });
     }
     Ok(())
 }

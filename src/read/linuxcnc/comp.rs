@@ -18,31 +18,22 @@ const LONGEST: f64 = 1e6;
 
 /// The rows of a file.
 pub(super) fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Problems> {
+    let refuse = |complaint| Err(located(file, text, vec![complaint]));
     let mut rows: Vec<Point> = Vec::new();
-    let mut stop: Option<Range<usize>> = None;
-    for span in lines(text) {
-        let row = row(text, &span);
-        let complaint = match (&stop, row) {
-            (None, None) => {
-                stop = Some(span);
-                continue;
-            }
-            (Some(_), None) => continue,
-            (Some(stop), Some(_)) => Some(stops(stop.clone())),
-            (None, Some(row)) => {
-                let complaint = wrong(&rows, row, &span, facts.rows.value);
-                rows.push(row);
-                complaint
-            }
-        };
-        if let Some(complaint) = complaint {
-            return Err(located(file, text, vec![complaint]));
+    let mut lines = lines(text).map(|span| (row(text, &span), span));
+    let stop = loop {
+        match lines.next() {
+            Some((Some(row), span)) => match wrong(&rows, row, &span, facts.rows.value) {
+                Some(complaint) => return refuse(complaint),
+                None => rows.push(row),
+            },
+            other => break other.map_or(0..0, |(_, span)| span),
         }
+    };
+    if lines.any(|(row, _)| row.is_some()) {
+        return refuse(stops(stop));
     }
-    match rows.is_empty() {
-        true => Err(located(file, text, vec![no_row(stop.unwrap_or(0..0))])),
-        false => Ok(rows),
-    }
+    if rows.is_empty() { refuse(no_row(stop)) } else { Ok(rows) }
 }
 
 /// Whether the first line is a row.

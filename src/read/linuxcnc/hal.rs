@@ -9,7 +9,7 @@
 use crate::control::controller::{LinuxcncFacts, MOST_JOINTS};
 use crate::control::table::{ListedTable, Point};
 use crate::quantity::rounded;
-use crate::read::lexer::{Complaint, Words, lines, located, words};
+use crate::read::lexer::{Complaint, Words, lines, located, number, words};
 use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -17,8 +17,6 @@ use std::ops::Range;
 const HELP: &str = "a HAL file is read as `generate` writes it, line by line: name that of the kit; the machine's own HAL files are not read";
 /// Stands for a number in a line of the form.
 const NUMBER: &str = "NUMBER";
-/// Positions and values lie below it.
-const LARGEST: f64 = 1e6;
 
 /// The tables of a file, ascending by output and base.
 ///
@@ -124,11 +122,6 @@ fn numbers(
     }
     let behind = lines.get(form.len());
     behind.map_or(Ok(numbers), |line| Err(differs(text, line, 0, "the end of the file")))
-}
-
-fn number(word: &str) -> Option<f64> {
-    let number = word.parse::<f64>().ok().filter(|number| number.abs() < LARGEST)?;
-    Some(number + 0.0) // −0 is 0
 }
 
 /// A line that is not that of the form, at its first word that differs.

@@ -120,10 +120,7 @@ impl Ini {
             let wrong = |expected| wrong(setting, expected);
             complaints.extend(taken.err().map(wrong));
         }
-        match complaints.is_empty() {
-            true => Ok(ini),
-            false => Err(located(file, text, complaints)),
-        }
+        located(file, text, complaints).or_ok(ini)
     }
 }
 

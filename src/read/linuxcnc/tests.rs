@@ -2,6 +2,8 @@
 use super::{Contents, read};
 use crate::control::controller::{ControlUnit, Dialect, LinuxcncFacts, builtin};
 use crate::control::table::Point;
+use crate::read::findings::ReadFinding;
+use crate::text::Finding;
 
 mod control;
 
@@ -114,7 +116,9 @@ fn the_ini_of_the_machine_counts_alone() {
     let found = found(&[("m.ini", machine), lines, table, other]);
     assert_eq!(found.joints[&0].home_offset, Some(5.0));
     assert_eq!(found.tables.tables[0].output, "0");
-    assert_eq!(found.unnamed, ["joints.ini", "y.comp"]);
+    let idle =
+        ["joints.ini", "y.comp"].map(|file| ReadFinding::NotNamed { file: file.to_string() });
+    assert_eq!(found.notes, idle.map(Finding::from));
     for second in [("n.ini", machine), ("n.ini", INI)] {
         let first = if second.1 == INI { INI } else { machine };
         let said = refused(&[("m.ini", first), second, table, ("x.comp", "0 0 0\n")]);

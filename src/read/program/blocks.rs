@@ -102,14 +102,54 @@ pub(in crate::read) type Code = (usize, String);
 pub(in crate::read) struct Vocabulary {
     /// How words are written.
     pub(in crate::read) language: Language,
-    /// Names, and addresses with their number.
+    /// Names, and addresses with their number, beside those that other languages have, too.
     pub(in crate::read) words: &'static [(&'static str, Meaning)],
     /// The blocks of a program.
     pub(in crate::read) blocks: fn(&str) -> Result<Vec<Code>, Complaint>,
 }
 
-/// A line without its comments in brackets; `None` where their brackets do not match.
-pub(in crate::read) fn without_comments(line: &str) -> Option<String> {
+/// Words that mean the same in every language.
+const COMMON: [(&str, Meaning); 9] = [
+    ("G0", Meaning::Rapid),
+    ("G1", Meaning::Feed),
+    ("G4", Meaning::Dwell),
+    ("G17", Meaning::Neutral),
+    ("G40", Meaning::Cancel(Cancelled::ToolRadius)),
+    ("G90", Meaning::Absolute),
+    ("G91", Meaning::Incremental),
+    ("G94", Meaning::FeedPerMinute),
+    ("M0", Meaning::Stop),
+];
+
+/// Those that mean the same in every one that keeps to ISO 6983.
+const ISO: [(&str, Meaning); 6] = [
+    ("G20", Meaning::Unit(ControlUnit::Inch)),
+    ("G21", Meaning::Unit(ControlUnit::Millimetre)),
+    ("G49", Meaning::Cancel(Cancelled::ToolLength)),
+    ("G53", Meaning::Machine),
+    ("G64", Meaning::Neutral),
+    ("G80", Meaning::Cancel(Cancelled::Cycle)),
+];
+
+impl Vocabulary {
+    /// What a word means.
+    fn meaning(&self, word: &str) -> Option<Meaning> {
+        let iso = ISO.iter().filter(|_| self.language == Language::Iso);
+        let mut words = COMMON.iter().chain(iso).chain(self.words);
+        words.find(|(known, _)| *known == word).map(|(_, meaning)| *meaning)
+    }
+}
+
+/// A line without its comments in brackets.
+pub(in crate::read) fn without_comments(
+    text: &str,
+    line: &Range<usize>,
+) -> Result<String, Complaint> {
+    let code = outside_brackets(&text[line.clone()]);
+    code.ok_or_else(|| refuse(line.clone(), "the brackets of a comment do not match"))
+}
+
+fn outside_brackets(line: &str) -> Option<String> {
     let mut parts = line.split(')');
     let last = parts.next_back().filter(|last| !last.contains('('))?;
     let code = parts.map(|part| part.split_once('(').filter(|(_, rest)| !rest.contains('(')));
@@ -199,10 +239,9 @@ impl Reader<'_> {
                 NAME => written.to_string(),
                 _ => format!("{letter}{}", word.value),
             };
-            let known = self.vocabulary.words.iter().find(|(known, _)| *known == name);
             let is_number = letter == 'F' || letter == self.own.seconds;
-            if let Some((_, meaning)) = known {
-                self.take(*meaning, &mut said);
+            if let Some(meaning) = self.vocabulary.meaning(&name) {
+                self.take(meaning, &mut said);
             } else if letter == 'N' {
                 said.number = Some(word.value);
             } else if is_number || self.own.axis(letter).is_some() {

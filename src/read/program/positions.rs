@@ -103,15 +103,11 @@ pub(crate) fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String
     }
     let pairs = groups.into_iter().zip(forms);
     let wrong = pairs.filter(|(group, form)| !is_form_of(group, form));
-    wrong
-        .filter_map(|(group, _)| group.first())
-        .map(|row| {
-            format!(
-                "the file of readings that begins with {} has other rows than positions.csv",
-                row.of.name()
-            )
-        })
-        .collect()
+    let words = |row: &Position| {
+        let name = row.of.name();
+        format!("the file of readings that begins with {name} has other rows than positions.csv")
+    };
+    wrong.map(|(group, _)| words(&group[0])).collect()
 }
 
 /// Whether a file asks for the readings of these rows, in their order, and states none of them.

@@ -20,14 +20,7 @@ pub struct SiemensContents {
     pub unwritten: Vec<String>,
     /// Tables of a control that hold zeros and no usable grid, such as `AN_CEC[3]`.
     pub idle: Vec<String>,
-    /// What else there is to know of a file that a control wrote.
-    pub read_out: ReadOut,
-}
-
-/// What there is to know of a file that a control wrote, beside its tables and data.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadOut {
-    /// How many data were ignored, as they are of no concern.
+    /// Of files that a control wrote, how many data were ignored, as they are of no concern.
     pub passed_over: usize,
     /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
     pub without_grid: Vec<String>,
@@ -39,17 +32,6 @@ pub struct ReadOut {
     pub twice: BTreeSet<String>,
     /// The units that its data are in, where it says so (`METRIC`, `INCH`).
     pub units: Vec<ControlUnit>,
-}
-
-impl ReadOut {
-    fn extend(&mut self, other: ReadOut) {
-        self.passed_over += other.passed_over;
-        self.without_grid.extend(other.without_grid);
-        self.programs.extend(other.programs);
-        self.programs_write_tables |= other.programs_write_tables;
-        self.twice.extend(other.twice);
-        self.units.extend(other.units);
-    }
 }
 
 /// One `$MA_`, `$MN_` or `$SN_` assignment.
@@ -116,14 +98,13 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
                 None => tables.push(table),
             }
         }
-        all.read_out.extend(file.read_out);
         for datum in file.machine_data {
             match all.machine_data.iter_mut().find(|known| known.variable == datum.variable) {
                 None => all.machine_data.push(datum),
                 Some(known) if known.value == datum.value => {}
                 Some(known) if is_switch(&datum.variable) => {
                     known.value = datum.value;
-                    all.read_out.twice.insert(datum.variable);
+                    all.twice.insert(datum.variable);
                 }
                 Some(_) => problems.push(conflict(&datum.variable)),
             }
@@ -131,6 +112,12 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
         all.notes.extend(file.notes);
         all.unwritten.extend(file.unwritten);
         all.idle.extend(file.idle);
+        all.passed_over += file.passed_over;
+        all.without_grid.extend(file.without_grid);
+        all.programs.extend(file.programs);
+        all.programs_write_tables |= file.programs_write_tables;
+        all.twice.extend(file.twice);
+        all.units.extend(file.units);
     }
     all.tables = SiemensTables::of(tables);
     problems.or_ok(all)

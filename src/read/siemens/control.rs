@@ -19,7 +19,10 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, MultiplyMode, SiemensFacts};
 use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::quantity::{Correction, Direction, Millimetres, UM_PER_MM};
-use crate::read::emulate::{Between, CannotEmulate, Emulated, Emulator, NodeTable, Response};
+use crate::read::emulate::{
+    Between, CannotEmulate, Emulated, Emulator, NodeTable, Response, cannot,
+};
+use std::collections::BTreeMap;
 
 /// (MAX−MIN)/STEP may differ this much from the index of the last point, in steps; STEP is
 /// rounded in real files.
@@ -102,10 +105,10 @@ impl SiemensControl {
             same(own, axis).then_some((loaded, encoder))
         });
         match (of_axis.next(), of_axis.next()) {
-            (Some((_, first)), Some((_, second))) => Err(CannotEmulate(format!(
+            (Some((_, first)), Some((_, second))) => cannot(format!(
                 "axis {axis} has tables for the measuring systems {first} and {second}; which one acts is \
                  not in the files",
-            ))),
+            )),
             (first, _) => Ok(first.map(|(loaded, _)| loaded)),
         }
     }
@@ -127,10 +130,10 @@ impl SiemensControl {
         };
         match self.tables.iter().find(takes_part) {
             None => Ok(()),
-            Some(loaded) => Err(CannotEmulate(format!(
+            Some(loaded) => cannot(format!(
                 "${} takes part in a product of tables, which depends on more than one axis",
                 loaded.table.place
-            ))),
+            )),
         }
     }
 
@@ -141,30 +144,23 @@ impl SiemensControl {
         if largest <= limit {
             return Ok(());
         }
-        Err(CannotEmulate(format!(
+        cannot(format!(
             "the CEC tables of axis {output} can add up to {largest:.1} µm, more than \
              CEC_MAX_SUM of {limit:.1} µm; the control would cut their sum: check their scale \
              (µm taken for mm?)"
-        )))
+        ))
     }
 
     /// A bound of the CEC sum of an axis, µm: peaks added over all base axes, the worse direction
     /// of each.
     fn largest_cec_um(&self, output: &str) -> f64 {
-        let mut bases: Vec<&str> =
-            self.cec_of(output).map(|t| t.table.input_axis.as_str()).collect();
-        bases.sort_unstable();
-        bases.dedup();
-        let of_base = |base: &str, direction| -> f64 {
-            self.cec_of(output)
-                .filter(|own| own.table.input_axis == base && own.acts_in(direction))
-                .map(|table| self.peak_um(table))
-                .sum()
-        };
-        bases
-            .iter()
-            .map(|base| of_base(base, Direction::Plus).max(of_base(base, Direction::Minus)))
-            .sum()
+        let mut of_base: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
+        for own in self.cec_of(output) {
+            let ways = of_base.entry(&own.table.input_axis).or_default().iter_mut();
+            let acting = ways.zip(Direction::BOTH).filter(|(_, way)| own.acts_in(*way));
+            acting.for_each(|(sum, _)| *sum += self.peak_um(own));
+        }
+        of_base.values().map(|[plus, minus]| plus.max(*minus)).sum()
     }
 
     fn peak_um(&self, table: &Loaded) -> f64 {
@@ -215,8 +211,7 @@ fn load(table: &SiemensTable, facts: &SiemensFacts, unit: ControlUnit) -> Emulat
     let most_tables = facts.cec_tables.value;
     if table.place.cec().is_some_and(|number| number >= most_tables) {
         let place = &table.place;
-        let message = format!("${place} does not exist, the control has {most_tables} tables");
-        return Err(CannotEmulate(message));
+        return cannot(format!("${place} does not exist, the control has {most_tables} tables"));
     }
     let numbers_um = raw.numbers_um()?;
     let corrections: Vec<Correction> = numbers_um.iter().map(|um| sign.correction(*um)).collect();
@@ -236,7 +231,7 @@ fn link_factors(tables: &[SiemensTable], loaded: &mut [Loaded], unit: ControlUni
         let Some(number) = table.multiply_by.checked_sub(1) else {
             continue;
         };
-        let cannot = |what: String| Err(CannotEmulate(format!("${}{what}", table.place)));
+        let cannot = |what: String| cannot(format!("${}{what}", table.place));
         let is_factor = |other: &SiemensTable| other.place.cec() == Some(number);
         let Some(factor) = tables.iter().position(is_factor) else {
             let what = format!(" is multiplied by $AN_CEC[{number}], which no file holds");

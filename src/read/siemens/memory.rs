@@ -76,7 +76,7 @@ pub(super) struct Memory {
     writer: Writer,
     tables: BTreeMap<Place, Draft>,
     /// The first switch behind the last `NEWCONF`.
-    waiting: Option<String>,
+    pub(super) waiting: Option<String>,
     /// Whether a switch was on.
     was_on: bool,
     /// What is known before the end of the file.
@@ -106,11 +106,6 @@ impl Memory {
         self.tables.len() > MOST_TABLES || self.all.machine_data.len() > MOST_DATA
     }
 
-    /// Machine data that were written act from here on.
-    pub(super) fn activate(&mut self) {
-        self.waiting = None;
-    }
-
     /// A switch that does not act when a kit's file has run. Machine data of that class wait
     /// for NEWCONF or a reset (classes: 840Di sl Commissioning Manual 05/2008 p. 356; that MD32700 and MD32710
     /// are of it is assumed).
@@ -133,7 +128,7 @@ impl Memory {
             Ok(value) => {
                 let placed = Placed { value, span: set.value_span.clone() };
                 if draft.put(cell, placed, self.writer) {
-                    self.all.read_out.twice.insert(set.variable());
+                    self.all.twice.insert(set.variable());
                 }
             }
             Err(_) if draft.complaints.len() >= MOST_COMPLAINTS => {}
@@ -166,7 +161,7 @@ impl Memory {
             Some(known) => {
                 let old = std::mem::replace(&mut known.value, datum.value);
                 if old != known.value && self.writer == Writer::Control {
-                    all.read_out.twice.insert(datum.variable);
+                    all.twice.insert(datum.variable);
                 }
             }
         }
@@ -181,7 +176,7 @@ impl Memory {
         for (place, draft) in self.tables {
             if self.writer == Writer::Control && draft.cell("_STEP").is_some_and(Placed::is_zero) {
                 // The control reserves memory for the table and nobody filled it.
-                self.all.read_out.without_grid.push(place.to_string());
+                self.all.without_grid.push(place.to_string());
             } else {
                 draft.finish(place, self.writer, &mut self.all, complaints);
             }

@@ -312,9 +312,9 @@ fn of_several_sections_what_is_of_concern_is_read_at_its_place() {
     let found = held(text);
     let data = found.machine_data.iter().map(|datum| datum.variable.as_str());
     assert_eq!(data.collect::<Vec<_>>(), ["$MA_BACKLASH[0,AX1]", "$MN_SCALING_SYSTEM_IS_METRIC"]);
-    assert_eq!(found.read_out.passed_over, 1);
-    assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
-    assert_eq!(found.read_out.units, [ControlUnit::Millimetre]);
+    assert_eq!(found.passed_over, 1);
+    assert_eq!(found.without_grid, ["AN_CEC[3]"]);
+    assert_eq!(found.units, [ControlUnit::Millimetre]);
     let wrong = text.replace("=0.005", "=0,005");
     let problems = super::read_out("all.txt", &wrong, false).expect_err("a comma");
     let place = problems.iter().next().and_then(|p| p.place.clone()).unwrap();
@@ -328,7 +328,7 @@ fn line_checksums_are_passed_over() {
     let found = held(text);
     assert_eq!(found.machine_data[0].value, MachineValue::Number(0.005));
     assert_eq!(found.machine_data[1].value, MachineValue::Number(0.001));
-    assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
+    assert_eq!(found.without_grid, ["AN_CEC[3]"]);
     let three_digits = text.replace("'00FF", "'00F");
     assert!(super::read_out("all.txt", &three_digits, false).is_err());
 }
@@ -341,9 +341,8 @@ fn a_program_beside_active_data_is_no_state() {
     for text in [format!("{data}{program}"), format!("{program}{data}")] {
         let found = held(&text);
         assert_eq!(found.tables, held(LEC_FILE).tables);
-        let told = &found.read_out;
-        assert_eq!(told.programs, ["NEW_MPF"]);
-        assert!(told.programs_write_tables && told.twice.is_empty());
+        assert_eq!(found.programs, ["NEW_MPF"]);
+        assert!(found.programs_write_tables && found.twice.is_empty());
         assert!(has_active_data("all.txt", &text));
     }
     assert!(!has_active_data("new", &program));
@@ -352,7 +351,7 @@ fn a_program_beside_active_data_is_no_state() {
     assert_eq!(read.tables.tables[0].values[1], Some(0.016));
     assert!(has_active_data("eec.txt", LEC_FILE));
     assert!(!has_active_data("EEC.MPF", LEC_FILE));
-    assert_eq!(super::read_out("EEC.MPF", LEC_FILE, false).unwrap().read_out.programs, ["EEC.MPF"]);
+    assert_eq!(super::read_out("EEC.MPF", LEC_FILE, false).unwrap().programs, ["EEC.MPF"]);
     let workpiece = "%_N_INIT_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n$MA_BACKLASH[0,AX1]=1\nM17\n";
     assert!(!has_active_data("all.txt", workpiece));
 }
@@ -361,13 +360,13 @@ fn a_program_beside_active_data_is_no_state() {
 fn two_values_of_one_variable_are_told() {
     let text = "$MA_CEC_ENABLE[AX1]=0\n$MA_BACKLASH[0,AX1]=1\n$MA_CEC_ENABLE[AX1]=TRUE\n\
                 $MA_BACKLASH[0,AX1]=1.000\n$MN_OTHER=1\n$MN_OTHER=2\nM17\n";
-    assert!(held(text).read_out.twice.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
+    assert!(held(text).twice.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
     for steps in [["0", "50"], ["50", "0"]] {
         let [first, second] =
             steps.map(|step| CEC.replace("STEP[0]=50.0", &format!("STEP[0]={step}")));
         let found = held(&format!("{first}{second}M17\n"));
-        assert!(found.read_out.twice.iter().eq(["$AN_CEC_STEP[0]"]));
-        assert!(found.read_out.without_grid.is_empty());
+        assert!(found.twice.iter().eq(["$AN_CEC_STEP[0]"]));
+        assert!(found.without_grid.is_empty());
         assert_eq!(found.tables.tables[0].values.len(), 2);
     }
 }

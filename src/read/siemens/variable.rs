@@ -149,33 +149,30 @@ impl Variable {
     /// The value that is assigned, if the variable may have it; truths as numbers.
     pub(super) fn value(self, set: &Assignment<'_>) -> Result<MachineValue, Complaint> {
         let value = set.value.clone()?;
-        let is_whole = |least: i32, most: i32, number: f64| {
-            (least..=most).any(|whole| (number - f64::from(whole)).abs() <= 0.0)
+        let number = match value {
+            Value::Number(number) => Some(number),
+            Value::Truth(_) | Value::Name(_) => None,
         };
-        let expected = match (self.allowed, &value) {
-            (Any, _)
-            | (Number, Value::Number(_))
-            | (AxisName, Value::Name(_))
-            | (Truth, Value::Truth(_)) => None,
-            (Truth, Value::Number(number)) if is_whole(0, 1, *number) => None,
-            (Whole(least, most, _), Value::Number(number)) if is_whole(least, most, *number) => {
-                None
-            }
-            (Number, _) => Some("a number"),
-            (Truth, _) => Some("0 or 1"),
-            (AxisName, _) => Some("an axis name such as `(AX1)`"),
-            (Whole(_, _, words), _) => Some(words),
+        let is_whole = |least: i32, most: i32| {
+            let is = |whole: i32| number.is_some_and(|own| (own - f64::from(whole)).abs() <= 0.0);
+            (least..=most).any(is)
         };
-        match (expected, value) {
-            (None, Value::Number(number)) => Ok(MachineValue::Number(number)),
-            (None, Value::Truth(truth)) => Ok(MachineValue::Number(f64::from(u8::from(truth)))),
-            (None, Value::Name(name)) => Ok(MachineValue::Text(name)),
-            (Some(words), _) => Err(Complaint::new(
-                set.value_span.clone(),
-                format!("`${}` cannot have this value", self.name),
-                format!("write {words}"),
-            )),
+        let (takes_it, words) = match self.allowed {
+            Any => (true, ""),
+            Number => (number.is_some(), "a number"),
+            Whole(least, most, words) => (is_whole(least, most), words),
+            Truth => (matches!(value, Value::Truth(_)) || is_whole(0, 1), "0 or 1"),
+            AxisName => (matches!(value, Value::Name(_)), "an axis name such as `(AX1)`"),
+        };
+        if !takes_it {
+            let message = format!("`${}` cannot have this value", self.name);
+            return Err(Complaint::new(set.value_span.clone(), message, format!("write {words}")));
         }
+        Ok(match value {
+            Value::Number(number) => MachineValue::Number(number),
+            Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
+            Value::Name(name) => MachineValue::Text(name),
+        })
     }
 }
 

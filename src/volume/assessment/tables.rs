@@ -85,20 +85,20 @@ fn reach(
 
 /// The stretches of a correction as one curve, a jump between two as a line over [`JUMP_MM`].
 fn correction(stretches: &[Stretch]) -> ErrorCurve {
-    let long = |s: &&Stretch| (s.to - s.from).mm() >= 2.0 * JUMP_MM;
+    let long = |[from, to]: &&Stretch| (to.0 - from.0).mm() >= 2.0 * JUMP_MM;
     let stretches: Vec<&Stretch> = stretches.iter().filter(long).collect();
     let raster = |at: Millimetres| (at.mm() * PER_MM).round() / PER_MM;
     let mut points: Vec<(f64, f64)> = Vec::with_capacity(2 * stretches.len() + 1);
-    for (index, stretch) in stretches.iter().enumerate() {
-        let before = index.checked_sub(1).map(|i| stretches[i].at_to.um());
-        let (at, um) = (raster(stretch.from), stretch.at_from.um());
+    for (index, [(from, start), _]) in stretches.iter().enumerate() {
+        let before = index.checked_sub(1).map(|i| stretches[i][1].1.um());
+        let (at, um) = (raster(*from), start.um());
         if let Some(before) = before.filter(|before| (before - um).abs() > NOTHING_UM) {
             points.push((at - JUMP_MM, before));
         }
         points.push((at, um));
     }
     let last = stretches.last();
-    points.extend(last.map(|last| (raster(last.to), last.at_to.um())));
+    points.extend(last.map(|[_, (to, end)]| (raster(*to), end.um())));
     let point = |(mm, um): (f64, f64)| (Millimetres::new(mm), Deviation::from_um(um));
     let (places, values): (Vec<_>, Vec<_>) = points.into_iter().map(point).unzip();
     ErrorCurve::through(&places, &values, Interpolation::Linear)

@@ -5,7 +5,7 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{FanucFacts, NumberRange};
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::read::emulate::{CannotEmulate, Emulated};
+use crate::read::emulate::{CannotEmulate, Emulated, cannot};
 
 /// Whose points a table has, and which.
 pub(super) type Run = (String, NumberRange);
@@ -19,11 +19,6 @@ pub(super) struct Loading<'a> {
     pub(super) facts: &'a FanucFacts,
     /// What the job states.
     pub(super) state: &'a ControlState,
-}
-
-/// Refusal in words.
-pub(super) fn cannot<T>(words: impl Into<String>) -> Emulated<T> {
-    Err(CannotEmulate(words.into()))
 }
 
 /// `parameter 3620 of axis 1`, as messages name it.
@@ -127,20 +122,13 @@ impl<'a> Loading<'a> {
             if key.axis.is_some() && has_none {
                 return cannot(format!("{what}: no axis owns this parameter"));
             }
-            self.refuse_bits(key.number, key.axis)?;
+            if let Some((_, mask, words)) = OTHER_BITS.iter().find(|(bits, ..)| *bits == key.number)
+                && self.bits(key.number, key.axis)?.is_some_and(|bits| bits & mask != 0)
+            {
+                return cannot(format!("{what}: {words}"));
+            }
         }
         Ok(())
-    }
-
-    fn refuse_bits(self, number: u32, axis: Option<u32>) -> Emulated<()> {
-        let known = OTHER_BITS.iter().find(|(bits, _, _)| *bits == number);
-        let Some((_, mask, words)) = known else {
-            return Ok(());
-        };
-        match self.bits(number, axis)? {
-            Some(bits) if bits & mask != 0 => cannot(format!("{}: {words}", name(number, axis))),
-            _ => Ok(()),
-        }
     }
 }
 

@@ -9,11 +9,11 @@
 //! Point n is the section between node n−1 and node n; node N0 is the reference position. A value
 //! is the step of the curve in its section, seen from − to +.
 
-use super::parameters::{Loading, Run, cannot, name};
+use super::parameters::{Loading, Run, name};
 use crate::control::controller::{ControlUnit, IntervalForm, NumberRange};
 use crate::control::table::fanuc::ParameterValue;
 use crate::quantity::{Correction, Direction, Millimetres, power_of_ten};
-use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
+use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response, cannot};
 
 /// 3627 is a signed word (B-63530EN).
 const REVERSAL_MAX: u32 = 32767;
@@ -35,7 +35,9 @@ impl Grid {
     /// The grid of a controlled axis.
     pub(super) fn load(from: Loading, axis: u32) -> Emulated<Grid> {
         let stated = from.axis(axis)?;
-        refuse_rotary(from, axis)?;
+        if from.memory.parameter(3625, Some(axis)).is_some_and(|travel| !travel.is_zero()) {
+            return cannot(format!("axis {axis}: 3625 is not 0; rotary axes are not emulated"));
+        }
         let [reference_point, first, last] = point_numbers(from, axis)?;
         let points = NumberRange { first, last };
         if !lies_in(points, &from.facts.pitch_points.value) {
@@ -90,15 +92,6 @@ fn point_numbers(from: Loading, axis: u32) -> Emulated<[u32; 3]> {
     cannot(format!(
         "axis {axis}: 3621 = {first}, 3620 = {reference}, 3622 = {last}, expected 3621 ≤ 3620 < 3622"
     ))
-}
-
-fn refuse_rotary(from: Loading, axis: u32) -> Emulated<()> {
-    match from.memory.parameter(3625, Some(axis)) {
-        Some(travel) if !travel.is_zero() => {
-            cannot(format!("axis {axis}: 3625 is not 0; rotary axes are not emulated"))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// 3624 as a length: a real number in mm or inch, or a number of least input increments.

@@ -7,11 +7,11 @@
 //! Both are zero at the reference of the moving axis and count detection units of the
 //! compensation axis. A set is known by its number s from 1; no axis owns its parameters.
 
-use super::parameters::{Loading, Run, cannot, name};
+use super::parameters::{Loading, Run, name};
 use super::pitch::{Grid, lies_in, node_sums};
 use crate::control::controller::{NumberRange, StraightnessForm};
 use crate::quantity::Correction;
-use crate::read::emulate::{Between, Emulated, NodeTable};
+use crate::read::emulate::{Between, Emulated, NodeTable, cannot};
 
 /// Sets that the numbers leave room for: 5731 + 10·(s − 1) reaches the amounts at s = 4, and
 /// 5711 + s − 1 ends at 5720.
@@ -22,15 +22,8 @@ const FIRST_COMPENSATION: u32 = 5721;
 const FIRST_POINTS: u32 = 5731;
 const FIRST_AMOUNTS: u32 = 5761;
 
-/// What one set does.
-pub(super) struct Shift {
-    /// Controlled-axis number of the moving axis.
-    pub(super) moving: u32,
-    /// Controlled-axis number of the shifted axis.
-    pub(super) compensation: u32,
-    /// Correction over the moving axis.
-    pub(super) table: NodeTable,
-}
+/// What one set does: controlled-axis numbers of the moving axis and of the shifted one, correction over the former.
+type Shift = ([u32; 2], NodeTable);
 
 /// The sets in use; the runs of points they look at are noted.
 pub(super) fn load(from: Loading, runs: &mut Vec<Run>) -> Emulated<Vec<Shift>> {
@@ -87,7 +80,7 @@ impl Set<'_> {
             StraightnessForm::FourPoint => self.four_points(&grid, unit_um)?,
             StraightnessForm::PerPoint => self.per_point(&grid, unit_um, runs)?,
         };
-        Ok(Some(Shift { moving, compensation, table }))
+        Ok(Some(([moving, compensation], table)))
     }
 
     /// Moving axis 0, per-point magnification 0, or a set that the kit does not touch at all.
