@@ -37,6 +37,7 @@ pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
 use loaded::named_backlash;
 use made::{Made, as_read};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 pub use verification::{Verification, forecast, verify, verify_read_out};
@@ -80,7 +81,7 @@ impl Kit {
 }
 
 /// What a template sees.
-pub(crate) fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
+pub(crate) fn template_context(inputs: &Inputs) -> Result<impl Serialize + use<>, Problems> {
     emit::context(inputs.task(), &Asked::of(inputs)?.compiled)
 }
 

@@ -13,13 +13,11 @@ pub mod picture;
 mod report;
 mod scale;
 mod svg;
-mod targets;
 mod volume;
 
-pub use curves::{Curves, separated, terms};
+pub use curves::{Curves, separated, targets, terms};
 pub use locale::{Locale, Shown, Texts};
 pub use picture::{Ink, Picture};
 pub use report::{Placed, Report, Visit, linear_document};
 pub use scale::bin_um;
-pub use targets::targets;
 pub use volume::{HoleErrors, Side, Trace, path, volume};

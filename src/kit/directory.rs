@@ -7,20 +7,14 @@ use crate::control::controller::{Profile, Role};
 use crate::judge::active::{ActiveControl, Fault, ReadOutFor, faults, from_read_out, listed};
 use crate::judge::findings::{FileFault, InControl};
 use crate::kit::findings::InDirectory;
+use crate::kit::made::{as_kit_file, as_read};
 use crate::kit::manifest::HashedFile;
 use crate::read::{KitFile, is_whole, may_be_meant_for};
 use crate::text::{Finding, Kind, Problem, Problems, Severity, json_page, of_severity, shown};
+use crate::write::emit::RenderedFile;
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-
-/// Name, purpose and bytes of a file.
-type NamedFile = (String, Role, Vec<u8>);
-
-/// The file as a reader takes it.
-fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
-    KitFile { path, role: *role, bytes }
-}
 
 /// The files of a directory, and what its manifest says against them.
 #[derive(Default)]
@@ -28,7 +22,7 @@ pub struct Directory {
     /// How a person called it.
     path: String,
     /// What the control could read.
-    files: Vec<NamedFile>,
+    files: Vec<RenderedFile>,
     /// What makes the verdict `fail` (disagreements); what was ignored, and what may explain a
     /// disagreement (notes).
     findings: Vec<Finding>,
@@ -51,10 +45,10 @@ impl Directory {
         manifest: Option<&[u8]>,
     ) -> Result<Directory, Problem> {
         let profile = &inputs.profile;
-        let named = |(name, bytes): (String, _)| {
+        let named = |(path, bytes): (String, _)| {
             // What the profile does not know is taken for tables.
-            let role = profile.file(&name).map_or(Role::Table, |file| file.role);
-            (name, role, bytes)
+            let role = profile.file(&path).map_or(Role::Table, |file| file.role);
+            RenderedFile { path, role, bytes }
         };
         let files = files.into_iter().map(named).collect();
         let mut found = Directory { path, files, ..Directory::default() };
@@ -70,8 +64,7 @@ impl Directory {
         found.compare_hashes(&document);
         found.compare_origin(&document, inputs);
         found.state = Some(document["state"].clone());
-        if let Some(name) = found.whole_file(profile) {
-            let file = shown(name);
+        if let Some(file) = found.whole_file(profile).map(shown) {
             found.findings.push(InDirectory::WholeControl { file }.into());
         }
         Ok(found)
@@ -80,17 +73,17 @@ impl Directory {
     /// The folder of a visit is no kit: with a file that the tables are made from among them, every file would be
     /// complained of.
     fn ensure_holds_no_input(&self, inputs: &Inputs) -> Result<(), Problem> {
-        let is_input = |(.., bytes): &&NamedFile| {
-            let own = sha256(bytes);
+        let is_input = |file: &&RenderedFile| {
+            let own = sha256(&file.bytes);
             inputs.hashes.iter().any(|input| input.sha256 == own)
         };
-        let Some((name, ..)) = self.files.iter().find(is_input) else {
+        let Some(file) = self.files.iter().find(is_input) else {
             return Ok(());
         };
         let words = format!(
             "`{}` holds `{}`, from which the tables are made, and no manifest.json: it is no kit",
             self.path,
-            shown(name)
+            shown(&file.path)
         );
         Err(Problem::new(words).help("name the directory that `nonius generate` wrote, or one that holds nothing but files read out of the control"))
     }
@@ -103,7 +96,7 @@ impl Directory {
 
     /// The files as the readers take them.
     pub(crate) fn kit_files(&self) -> Vec<KitFile<'_>> {
-        self.files.iter().map(kit_file).collect()
+        as_read(&self.files)
     }
 
     /// The files in the emulated control of the job, with what the manifest says against them.
@@ -195,16 +188,11 @@ impl Directory {
             return Ok(None);
         }
         let files = self.files.iter();
-        let files = files.map(|(name, _, bytes)| (name.clone(), bytes.clone()));
-        let mut control = from_read_out(
-            &inputs.job,
-            &inputs.profile,
-            &self.path,
-            files.collect(),
-            ReadOutFor::Judging,
-        )?;
-        if let Some(name) = whole.filter(|_| is_called_as_a_kit) {
-            let file = shown(name);
+        let files = files.map(|file| (file.path.clone(), file.bytes.clone()));
+        let Inputs { job, profile, .. } = inputs;
+        let files = files.collect();
+        let mut control = from_read_out(job, profile, &self.path, files, ReadOutFor::Judging)?;
+        if let Some(file) = whole.filter(|_| is_called_as_a_kit).map(shown) {
             control.findings.insert(0, InControl::FarMore { file }.into());
         }
         Ok(Some(control))
@@ -213,15 +201,14 @@ impl Directory {
     /// A file with a name that a kit's file for the control has.
     fn called_as_a_kit(&self, profile: &Profile) -> Option<&str> {
         let own = profile.files.iter().filter(|file| file.role.is_read_back());
-        let mut names = self.files.iter().map(|(name, ..)| name.as_str());
+        let mut names = self.files.iter().map(|file| file.path.as_str());
         names.find(|name| own.clone().any(|file| file.is_called(name)))
     }
 
     /// The name of a file that was read out of the control as a whole.
     fn whole_file(&self, profile: &Profile) -> Option<&str> {
-        let mut files = self.files.iter();
-        let found = files.find(|(_, _, bytes)| is_whole(profile, bytes));
-        found.map(|(name, _, _)| name.as_str())
+        let found = self.files.iter().find(|file| is_whole(profile, &file.bytes));
+        found.map(|file| file.path.as_str())
     }
 
     /// Files of another control cannot be read: that reason in place of what a reader of this
@@ -238,32 +225,29 @@ impl Directory {
     fn ignore_unlisted(&mut self, document: &Value, profile: &Profile) {
         let listed: BTreeSet<&str> = listed(document).map(|(path, _)| path).collect();
         for file in std::mem::take(&mut self.files) {
-            if listed.contains(file.0.as_str()) {
+            let path = file.path.as_str();
+            if listed.contains(path) {
                 self.files.push(file);
-            } else if profile.file(&file.0).is_some_and(|own| !own.role.is_written_into())
-                || may_be_meant_for(profile, &kit_file(&file))
+            } else if profile.file(path).is_some_and(|own| !own.role.is_written_into())
+                || may_be_meant_for(profile, &as_kit_file(&file))
             {
-                let found = InDirectory::NotListed { file: shown(&file.0) };
-                self.findings.push(found.into());
+                self.findings.push(InDirectory::NotListed { file: shown(path) }.into());
                 self.files.push(file);
             } else {
                 let why = "manifest.json does not list it, and it is no file of this control";
-                self.ignored(&file.0, why);
+                self.ignored(path, why);
             }
         }
     }
 
     fn compare_hashes(&mut self, document: &Value) {
         let bytes = |name: &str| {
-            let file = self.files.iter().find(|(path, _, _)| path == name);
-            Ok(file.map(|(_, role, bytes)| (Some(*role), Cow::Borrowed(bytes.as_slice()))))
+            let file = self.files.iter().find(|file| file.path == name);
+            Ok(file.map(|file| (Some(file.role), Cow::Borrowed(file.bytes.as_slice()))))
         };
-        for fault in faults(document, bytes) {
-            let Fault { kind, role } = fault;
+        for Fault { kind, role } in faults(document, bytes) {
             if role.is_some_and(Role::is_written_into) {
-                let fault = kind.into();
-                let found = InDirectory::WrittenInto { fault };
-                self.findings.push(found.into());
+                self.findings.push(InDirectory::WrittenInto { fault: kind.into() }.into());
                 continue;
             }
             let is_changed = matches!(kind, FileFault::Changed { .. });

@@ -20,7 +20,7 @@ use crate::kit::inputs::{Asked, cannot_emulate};
 use crate::kit::made::Made;
 use crate::kit::{Inputs, movement, remarks, rollback};
 use crate::read::{KitFile, ReadBack, read_apart};
-use crate::text::{BLANK, BOX, Finding, Problems};
+use crate::text::{BLANK, BOX, Finding, Problems, grouped};
 use crate::write::compensation::{Compiled, displayed, uses};
 use crate::write::emit::{self, RenderedFile, Words};
 use crate::write::findings::TableFinding;
@@ -113,15 +113,10 @@ fn proof_files<'a>(
     inputs: &Inputs,
     files: &[KitFile<'a>],
 ) -> Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> {
-    let mut proofs: Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> = Vec::new();
-    for file in files.iter().filter(|file| file.role == Role::SignProof) {
-        let mechanism = inputs.profile.file(file.path).and_then(|own| own.mechanism);
-        match proofs.iter_mut().find(|(own, _)| *own == mechanism) {
-            Some((_, own)) => own.push(*file),
-            None => proofs.push((mechanism, vec![*file])),
-        }
-    }
-    proofs
+    let mechanism =
+        |file: &KitFile<'_>| inputs.profile.file(file.path).and_then(|own| own.mechanism);
+    let own = files.iter().filter(|file| file.role == Role::SignProof);
+    grouped(own.map(|file| (mechanism(file), *file)))
 }
 
 /// So many figures that miss the acceptance stand above the steps; [`about`] has all.
@@ -172,28 +167,27 @@ fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
 /// Where each term goes: what is overwritten.
 fn places(made: &Made<'_>) -> Listed {
     let placements = made.compiled.placements.iter();
-    let places: Vec<String> =
-        placements.map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points)).collect();
-    vec![places.join("; ")].into()
+    let places = placements.map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points));
+    vec![places.collect::<Vec<_>>().join("; ")].into()
 }
 
 /// At the step what is overwritten, replaced or moves an axis; in the annex what only has to be compared.
 fn preconditions(compiled: &Compiled) -> Listed {
     let list = shared(&compiled.preconditions);
     let of = |when: SeenTo| list.iter().filter(move |(_, p)| p.when == when);
-    let danger = |(what, p): &(String, &Precondition)| {
+    type Shared<'a> = (String, &'a Precondition);
+    let danger = |(what, p): &Shared<'_>| {
         let (value, why) = (&p.value, &p.why);
         format!("**{what} must be {value}**; found: {BLANK} Why: {why}")
     };
-    let source = |(what, p): &(String, &Precondition)| format!("{what}: *{}*", p.source);
-    let item = |(what, p): &(String, &Precondition)| {
-        format!("{what}: found {BLANK}; {} is entered below", p.value)
-    };
-    let must = |(what, p): &(String, &Precondition)| {
+    let source = |(what, p): &Shared<'_>| format!("{what}: *{}*", p.source);
+    let item =
+        |(what, p): &Shared<'_>| format!("{what}: found {BLANK}; {} is entered below", p.value);
+    let must = |(what, p): &Shared<'_>| {
         let (value, why, source) = (&p.value, &p.why, &p.source);
         format!("{what} must be {value}; found: {BLANK} Why: {why} *({source})*")
     };
-    let why = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
+    let why = |(what, p): &Shared<'_>| format!("{what}: {} *({})*", p.why, p.source);
     let boxed = of(SeenTo::Boxed).map(|own| format!("{BOX} {}", danger(own)));
     let items = of(SeenTo::Danger).map(danger).chain(boxed);
     let items = items.chain(of(SeenTo::Entered).map(item));
@@ -207,11 +201,8 @@ fn preconditions(compiled: &Compiled) -> Listed {
 
 /// Reference points outside the travel: if one is elsewhere, switching a table on moves axes.
 fn references_off(compiled: &Compiled) -> impl Iterator<Item = String> {
-    let off = compiled
-        .notes
-        .iter()
-        .filter(|note| matches!(note.kind(), Some(TableFinding::ReferenceOff { .. })));
-    off.map(|note| format!("{BOX} {note}"))
+    let is_off = |note: &&Finding| matches!(note.kind(), Some(TableFinding::ReferenceOff { .. }));
+    compiled.notes.iter().filter(is_off).map(|note| format!("{BOX} {note}"))
 }
 
 /// Values that belong to the tables and that no file holds.

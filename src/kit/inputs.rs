@@ -11,12 +11,11 @@ use crate::kit::manifest::HashedFile;
 use crate::kit::visit_plan::Judged;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
-use crate::quantity::{Axis, Millimetres, rounded};
+use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::{Finding, Problem, Problems, Severity};
+use crate::text::{Finding, Problem, Problems, Severity, grouped, joined};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task, plan};
-use crate::write::target::Omission;
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]
@@ -49,9 +48,7 @@ impl Inputs {
         errors: impl Into<ErrorSource>,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        let errors = errors.into();
-        let model = ErrorModel::build(&job, &*errors.table(&job)?)?;
-        Ok(Inputs::of(job, profile, (errors, model), hashes))
+        Inputs::of(job, profile, (errors.into(), ErrorModel::build), hashes)
     }
 
     /// The same for figures of the volume, where angles alone will do.
@@ -61,18 +58,18 @@ impl Inputs {
         errors: ErrorSource,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        let model = ErrorModel::for_figures(&job, &*errors.table(&job)?)?;
-        Ok(Inputs::of(job, profile, (errors, model), hashes))
+        Inputs::of(job, profile, (errors, ErrorModel::for_figures), hashes)
     }
 
     fn of(
         job: Job,
         profile: Profile,
-        (errors, mut model): (ErrorSource, ErrorModel),
+        (errors, build): (ErrorSource, impl Fn(&Job, &ErrorTable) -> Result<ErrorModel, Problems>),
         hashes: Vec<HashedFile>,
-    ) -> Inputs {
+    ) -> Result<Inputs, Problems> {
+        let mut model = build(&job, &*errors.table(&job)?)?;
         model.lacks_squareness(model.level());
-        Inputs {
+        Ok(Inputs {
             job,
             profile,
             model,
@@ -82,7 +79,7 @@ impl Inputs {
             hashes,
             active: None,
             active_notes: Vec::new(),
-        }
+        })
     }
 
     /// Adds the angular errors of a table of their own (`measurement.angles`).
@@ -207,29 +204,20 @@ pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) ->
 
 /// One line for each reason, with all terms that it holds for.
 fn without_table(plan: &Plan) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-    for Omission { term, reason } in &plan.omitted {
-        match reasons.iter_mut().find(|(known, _)| known == reason) {
-            Some((_, terms)) => terms.push(term.to_string()),
-            None => reasons.push((reason, vec![term.to_string()])),
-        }
-    }
-    let line = |(reason, terms): &(&str, Vec<String>)| {
-        format!("no table for {}: {reason}", terms.join(", "))
-    };
-    reasons.iter().map(line).collect()
+    let reasons = grouped(plan.omitted.iter().map(|own| (&own.reason, own.term))).into_iter();
+    let line = |(reason, terms)| format!("no table for {}: {reason}", joined::<ErrorTerm>(terms));
+    reasons.map(line).collect()
 }
 
 fn not_measured(forecast: &Forecast) -> Vec<String> {
-    let parts = forecast
-        .unmeasured
-        .iter()
-        .flat_map(|(axis, parts)| parts.iter().map(move |part| (axis, part)));
-    let sentence = |(axis, (from, to)): (Axis, &(Millimetres, Millimetres))| {
+    let sentence = |axis: Axis, (from, to): &(Millimetres, Millimetres)| {
         let [from, to] = [from, to].map(|at| rounded(at.mm(), 6));
         format!("not measured: {axis} from {from} to {to} mm; the table holds the end value there")
     };
-    parts.map(sentence).collect()
+    let unmeasured = forecast.unmeasured.iter();
+    unmeasured
+        .flat_map(|(axis, parts)| parts.iter().map(move |part| sentence(axis, part)))
+        .collect()
 }
 
 /// Forecast against the acceptance; doubtful errors decide nothing in favour.

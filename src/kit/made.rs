@@ -81,17 +81,16 @@ pub(super) fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
 }
 
 fn not_read_back(problems: Problems) -> Problems {
-    let mut all = Problems::from(
-        Problem::new(
-            "the files that the templates made cannot be read back, so nothing is written",
-        )
-        .help(
-            "a template of your own has to keep to the format of the dialect (docs/own-control.md §3)",
-        ),
-    );
+    const WORDS: &str =
+        "the files that the templates made cannot be read back, so nothing is written";
+    let mut all = Problems::from(Problem::new(WORDS).help(KEEP_TO_THE_FORMAT));
     all.extend(problems);
     all
 }
+
+/// What to do where files do not read back.
+pub(super) const KEEP_TO_THE_FORMAT: &str =
+    "a template of your own has to keep to the format of the dialect (docs/own-control.md §3)";
 
 /// A template that drops, doubles, changes or adds something is found here.
 fn ensure_same(loaded: &Loaded<'_>) -> Result<(), Problems> {

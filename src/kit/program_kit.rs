@@ -115,8 +115,7 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
         Some(file) => readback_positions::read(&file.path, &file.bytes)?,
         None => Vec::new(),
     };
-    let digit_mm = task.resolution().digit_mm();
-    let mut wrong = position_differences(&rows, task.request, digit_mm);
+    let mut wrong = position_differences(&rows, task);
     let forms: Vec<&[u8]> = of_role(FileRole::Readings).map(|f| f.bytes.as_slice()).collect();
     wrong.extend(form_differences(&rows, &forms));
     let programs: Vec<&ProgramFile> = of_role(FileRole::Program).collect();
@@ -129,7 +128,7 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
     for words in wrong {
         problems.push(Problem::new(words).help("nothing was written"));
     }
-    let bounds = bounds(task.job, task.request, digit_mm);
+    let bounds = bounds(task);
     let mut walked = Vec::new();
     for (file, rows) in programs.into_iter().zip(set_ups) {
         walked.extend(problems.take(walk_file(task.facts, file, rows, &bounds)));
@@ -149,15 +148,14 @@ fn walk_file(
     walk((&file.path, &text), &steps, rows, bounds)
 }
 
-fn bounds(job: &Job, request: &ProgramRequest, digit_mm: f64) -> Bounds {
+fn bounds(task: RunTask<'_>) -> Bounds {
+    let (axes, request) = (&task.job.machine.axes, task.request);
+    let travel = |axis| axes[axis].map_or((0.0, 0.0), |own| (own.low.mm(), own.high.mm()));
     Bounds {
-        travel: PerAxis::from_fn(|axis| {
-            let travel = job.machine.axes[axis];
-            travel.map_or((0.0, 0.0), |axis| (axis.low.mm(), axis.high.mm()))
-        }),
-        max_feed: PerAxis::from_fn(|axis| job.machine.axes[axis].and_then(|axis| axis.max_feed)),
+        travel: PerAxis::from_fn(travel),
+        max_feed: PerAxis::from_fn(|axis| axes[axis]?.max_feed),
         dwell_s: request.dwell_s,
-        digit_mm,
+        digit_mm: task.resolution().digit_mm(),
         overrun: request.overrun.mm() > 0.0,
     }
 }
@@ -166,23 +164,15 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     let RunTask { facts, request, .. } = task;
     let unit = task.resolution().unit;
     let assumed = facts.statements_of(unit).filter(|s| s.evidence == Evidence::Assumed);
-    let mut list: Vec<Assumption> = assumed
-        .map(|s| {
-            Assumption::of_job(
-                format!("program.{}", s.fact),
-                s.value.clone(),
-                s.consequence.clone().unwrap_or_default(),
-            )
-        })
-        .collect();
-    if facts.language.facts().numbered.is_some() {
-        list.push(Assumption::of_job(
-            "program.number",
-            format!("O{:04} and those that follow are free", request.number_of(0)),
-            "the control refuses to load a number that exists, or overwrites that program: state `number` in [program]",
-        ));
-    }
-    list
+    let assumed = assumed.map(|s| {
+        let consequence = s.consequence.clone().unwrap_or_default();
+        Assumption::of_job(format!("program.{}", s.fact), s.value.clone(), consequence)
+    });
+    let number = facts.language.facts().numbered.map(|_| {
+        let free = format!("O{:04} and those that follow are free", request.number_of(0));
+        Assumption::of_job("program.number", free, "the control refuses to load a number that exists, or overwrites that program: state `number` in [program]")
+    });
+    assumed.chain(number).collect()
 }
 
 fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
@@ -229,9 +219,9 @@ fn mirror(size: MirrorSize) -> Value {
 
 /// What differs between the rows and what the job asks for, one sentence each; empty = nothing.
 /// Diagonals are compared with the nodes that `separate` will expect.
-fn position_differences(rows: &[Position], request: &ProgramRequest, digit_mm: f64) -> Vec<String> {
+fn position_differences(rows: &[Position], task: RunTask<'_>) -> Vec<String> {
     const MOST: usize = 20;
-    let expected = order(request);
+    let expected = order(task.request);
     let (read, wanted) = (rows.len(), expected.len());
     let count = format!("positions.csv has {read} readings, expected {wanted}");
     let wrong = rows.iter().zip(&expected).filter_map(|(row, (of, run, pass, node))| {
@@ -243,7 +233,7 @@ fn position_differences(rows: &[Position], request: &ProgramRequest, digit_mm: f
                 row.run,
                 pass.word()
             )),
-            true => (!is_at_node(row, request, digit_mm)).then(|| {
+            true => (!is_at_node(row, task)).then(|| {
                 format!("node {} of run {} is not where the job has it", row.node, row.run)
             }),
         }
@@ -255,14 +245,10 @@ type Key = (Named, u32, Pass, usize);
 
 /// Diagonal, run, direction and node of every reading in the order of the files of readings.
 fn order(request: &ProgramRequest) -> Vec<Key> {
+    let volume = &request.volume;
     let (set_ups, last): (Vec<Named>, usize) = match request.what.path() {
-        Some(kind) => (
-            Diagonal::ALL.into_iter().map(Named::Diagonal).collect(),
-            request.volume.last_node(kind),
-        ),
-        None => {
-            (request.axes.iter().map(|axis| Named::Axis(*axis)).collect(), request.volume.steps)
-        }
+        Some(kind) => (Diagonal::ALL.map(Named::Diagonal).to_vec(), volume.last_node(kind)),
+        None => (request.axes.iter().copied().map(Named::Axis).collect(), volume.steps),
     };
     let back = (0..=last).rev().filter(|_| request.bidirectional);
     let there = (0..=last).map(|node| (Pass::Forward, node));
@@ -273,7 +259,8 @@ fn order(request: &ProgramRequest) -> Vec<Key> {
     keys.collect()
 }
 
-fn is_at_node(row: &Position, request: &ProgramRequest, digit_mm: f64) -> bool {
+fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
+    let (request, digit_mm) = (task.request, task.resolution().digit_mm());
     let close = |a: f64, b: f64, slack: f64| (a - b).abs() <= slack;
     match (row.of, request.what.path()) {
         (Named::Diagonal(diagonal), Some(kind)) => {

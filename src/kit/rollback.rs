@@ -13,7 +13,7 @@
 //! named. Zeros are not a rollback.
 
 use super::inputs::Asked;
-use super::made::{Made, as_kit_file};
+use super::made::{Made, as_read};
 use super::movement;
 use crate::control::controller::Role;
 use crate::judge::active::Origin;
@@ -23,7 +23,7 @@ use crate::kit::findings::{FieldFault, InRollback, KitFinding};
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::{Finding, Problems};
-use crate::write::emit::{self, Emitted, Instead, RenderedFile, Switch, Templates};
+use crate::write::emit::{self, Emitted, RenderedFile, Switch, Templates};
 
 /// What a kit writes for the rollback, and what it leaves to a person.
 #[derive(Default)]
@@ -72,21 +72,16 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
 impl Before<'_> {
     /// The files, read back, with what they do not do.
     fn written(&self, old: &Old, templates: &Templates) -> Result<Rollback, Problems> {
-        let instead = Instead {
-            notice: "ROLLBACK: values as read out of the control before this kit",
-            names_terms: false,
+        let emitted = Emitted {
+            tables: &old.tables,
+            placements: &[],
+            notice: Some("ROLLBACK: values as read out of the control before this kit"),
             as_read: true,
             switches: old.data.iter().map(switch).collect(),
-        };
-        let emitted = Emitted {
-            task: self.task,
-            compiled: self.compiled,
-            tables: &old.tables,
-            instead: &instead,
+            ..Emitted::of_kit(self.task, self.compiled)
         };
         let files = emit::render_those(templates, &emitted, |file| file.role == Role::Rollback)?;
-        let read_files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
-        let read = read_apart(self.task.profile, &read_files, Role::Rollback);
+        let read = read_apart(self.task.profile, &as_read(&files), Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {
             return Ok(Rollback::none(InRollback::OtherForm));
         }

@@ -1,7 +1,7 @@
 //! A measurement with the tables active, judged: as found, forecast, as left, and why they differ.
 
 use super::{Asked, Inputs, Verification};
-use crate::inputs::job::{Job, MeasuredData};
+use crate::inputs::job::Job;
 use crate::judge::after::{AfterMeasurement, Comparison, compare, observations, unseen_reversal};
 use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
@@ -103,10 +103,7 @@ fn diagnosed(
 }
 
 fn alpha_per_k(job: &Job) -> PerAxis<f64> {
-    let material = match &job.measurement.data {
-        MeasuredData::Diagonals(measurement) => measurement.material,
-        MeasuredData::Errors(_) => None,
-    };
+    let material = job.measurement.diagonals().and_then(|how| how.material);
     let stated = |axis| material?.axes[axis].map(|scale| scale.alpha_per_k);
     PerAxis::from_fn(|axis| stated(axis).unwrap_or(STEEL_PER_K))
 }

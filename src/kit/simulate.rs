@@ -19,7 +19,7 @@ mod readings;
 pub use self::readings::{Simulation, SimulationSource, readings, single_axes, write};
 use crate::inputs::error_table::ErrorTable;
 pub use crate::inputs::error_table::SIMULATED;
-use crate::inputs::job::{DiagonalMeasurement, Job, Material, MeasuredData, Reflector};
+use crate::inputs::job::{DiagonalMeasurement, Job, Material, Reflector};
 use crate::judge::active::named_axis;
 use crate::judge::field::Field;
 use crate::judge::findings::InControl;
@@ -74,20 +74,16 @@ impl<'a> SimulatedMachine<'a> {
         let measured = self.model.terms[term].as_ref()?;
         let deviation = measured.measured.curve(direction)?.at(position);
         let correction = self.control.correction(term, direction, position);
-        Some((deviation + correction).um() + self.grown_um(term, position))
-    }
-
-    /// What the change of scale adds to a positioning error.
-    fn grown_um(&self, term: ErrorTerm, position: Millimetres) -> f64 {
+        // What the change of scale adds to a positioning error.
         let reference = self.references[term.along].filter(|_| term.is_positioning());
-        reference
-            .map_or(0.0, |reference| self.scale_um_per_m * (position - reference).mm() / 1000.0)
+        let from_reference = reference.map_or(0.0, |reference| (position - reference).mm());
+        Some((deviation + correction).um() + self.scale_um_per_m * from_reference / 1000.0)
     }
 
     /// Whether the two directions of an axis differ: measured apart, or corrected apart.
     fn is_directed(&self, along: Axis) -> bool {
         let apart = |term| !self.control.is_undirected(term);
-        let mut of_axis = self.model.measured().filter(|(t, _)| t.along == along);
+        let mut of_axis = self.model.measured_along(along);
         of_axis.any(|(term, measured)| measured.measured.has_both_ways() || apart(term))
     }
 }
@@ -175,9 +171,9 @@ impl Rehearsal {
         wishes: Wishes,
     ) -> Result<Rehearsal, Problems> {
         let program = job.program.as_ref();
-        let (mut measurement, program) = match &job.measurement.data {
-            MeasuredData::Diagonals(measurement) => (measurement.clone(), None),
-            MeasuredData::Errors(_) => (programmed(job)?, program),
+        let (mut measurement, program) = match job.measurement.diagonals() {
+            Some(measurement) => (measurement.clone(), None),
+            None => (programmed(job)?, program),
         };
         if wishes.straight {
             measurement.kind = PathKind::Straight;

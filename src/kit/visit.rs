@@ -75,6 +75,24 @@ pub struct Begun {
 }
 
 impl Begun {
+    /// Of a job and its table, which is measured once more with the tables active: by a job of its own where these
+    /// axes have a linear measurement.
+    fn of(
+        job: String,
+        (readings, table): (bool, String),
+        linear: Option<&[&str]>,
+        programs: bool,
+        steps: Option<u32>,
+    ) -> Result<Begun, Problem> {
+        let (measured, again) = (table_name(readings), format!("{AGAIN}{table}"));
+        let mut tables = vec![(measured.to_string(), table), (AFTER.to_string(), again)];
+        if let Some(axes) = linear {
+            let context = json!({ "job": JOB, "data": AFTER, "kit": KIT, "axes": axes });
+            tables.push((AFTER_JOB.to_string(), filled("after.toml.tera", &context)?));
+        }
+        Ok(Begun { job, tables, measured, readings, programs, steps })
+    }
+
     /// What `verify --after` takes.
     pub const fn after(&self) -> &'static str {
         match self.readings {
@@ -87,23 +105,10 @@ impl Begun {
 impl Visit<'_> {
     /// Its files.
     pub fn begun(&self) -> Result<Begun, Problems> {
-        let tables = self.tables()?.into_iter();
-        Ok(Begun {
-            tables: tables.map(|(name, text)| (name.to_string(), text)).collect(),
-            job: self.job()?,
-            measured: self.table_name(),
-            readings: self.readings,
-            programs: self.has_programs(),
-            steps: Some(self.steps()),
-        })
-    }
-
-    /// The name of the table.
-    const fn table_name(&self) -> &'static str {
-        match self.readings {
-            true => "readings.csv",
-            false => "errors.csv",
-        }
+        let axes = Axis::ALL.map(Axis::key);
+        let linear = self.readings.then_some(&axes[..]);
+        let (table, programs) = ((self.readings, self.table()), self.has_programs());
+        Ok(Begun::of(self.job()?, table, linear, programs, Some(self.steps()))?)
     }
 
     /// Steps of each axis: as asked for, else no longer than 50 mm where 30 are enough.
@@ -132,16 +137,6 @@ impl Visit<'_> {
         high - low
     }
 
-    /// The files beside the job, with their names.
-    fn tables(&self) -> Result<Vec<(&'static str, String)>, Problems> {
-        let again = format!("{AGAIN}{}", self.table());
-        let mut files = vec![(self.table_name(), self.table()), (AFTER, again)];
-        if self.readings {
-            files.push((AFTER_JOB, after_job(&Axis::ALL.map(Axis::key))?));
-        }
-        Ok(files)
-    }
-
     /// Whether the control has part programs of the run.
     fn has_programs(&self) -> bool {
         self.readings && self.profile.program.is_some()
@@ -167,7 +162,7 @@ impl Visit<'_> {
             "tool": TOOL,
             "words": words(),
             "controller": { "name": self.profile.name, "quoted": quoted(self.controller) },
-            "data": self.table_name(),
+            "data": table_name(self.readings),
             "readings": self.readings,
             "both": self.both_directions,
             "program": self.has_programs(),
@@ -292,10 +287,9 @@ fn words() -> BTreeMap<&'static str, BTreeMap<&'static str, &'static str>> {
     all
 }
 
-/// The job of the second measurement; `axes` = those with a linear measurement.
-fn after_job(axes: &[&str]) -> Result<String, Problem> {
-    let context = json!({ "job": JOB, "data": AFTER, "kit": KIT, "axes": axes });
-    filled("after.toml.tera", &context)
+/// The name of the table that is filled in first.
+const fn table_name(readings: bool) -> &'static str {
+    if readings { "readings.csv" } else { "errors.csv" }
 }
 
 const AGAIN: &str = "\

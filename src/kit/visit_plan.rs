@@ -60,9 +60,9 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
     let asked = design.job.acceptance;
     let likely = |visit: &Visit| visit.reaches(asked) && design.chance(visit) >= Some(LIKELY);
     let variants = combinations(design, &additions);
-    let forecast = cheapest(design, &variants, |visit| visit.reaches(asked));
+    let forecast = design.cheapest(&variants, |visit| visit.reaches(asked));
     let second = asked.max_deviation_um.and(forecast.as_ref()).and_then(|first| {
-        if likely(first) { Some(first.clone()) } else { cheapest(design, &variants, likely) }
+        if likely(first) { Some(first.clone()) } else { design.cheapest(&variants, likely) }
     });
     let [forecast, second] = [forecast, second].map(|found| {
         let new = found?;
@@ -101,40 +101,6 @@ fn together(described: &Variant, additions: &[Variant]) -> Vec<Variant> {
     })
 }
 
-/// The one that takes the least time of all with which something is reached. Tables that need another grid
-/// count only where no others do.
-fn cheapest(
-    design: &Design<'_>,
-    variants: &[Variant],
-    is_reached: impl Fn(&Visit) -> bool,
-) -> Option<Visit> {
-    let timed = variants.iter().map(|one| (design.minutes(&one.in_runs(1)), one));
-    let mut timed: Vec<(f64, &Variant)> = timed.collect();
-    timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: [Option<Visit>; 2] = [None, None];
-    for (least, variant) in timed {
-        let best = &mut best[usize::from(design.other_grid(variant).is_some())];
-        let is_quicker = |minutes: f64| best.as_ref().is_none_or(|best| minutes < best.minutes);
-        if is_quicker(least) {
-            let visit = fewest_runs(design, variant, &is_reached);
-            *best = visit.filter(|visit| is_quicker(visit.minutes)).or(best.take());
-        }
-    }
-    let [own_grid, other_grid] = best;
-    own_grid.or(other_grid)
-}
-
-/// With the fewest runs that reach something; what the most do not, no fewer do.
-fn fewest_runs(
-    design: &Design<'_>,
-    variant: &Variant,
-    is_reached: impl Fn(&Visit) -> bool,
-) -> Option<Visit> {
-    let reached = |runs| design.visit(variant.in_runs(runs)).ok().filter(&is_reached);
-    let most = reached(MOST_RUNS)?;
-    Some((design.fewest_runs()..MOST_RUNS).find_map(reached).unwrap_or(most))
-}
-
 findings! {
     /// What a plan rests on.
     Assumed {
@@ -155,6 +121,36 @@ findings! {
 }
 
 impl Design<'_> {
+    /// The one that takes the least time of all with which something is reached. Tables that need another grid
+    /// count only where no others do.
+    fn cheapest(&self, variants: &[Variant], is_reached: impl Fn(&Visit) -> bool) -> Option<Visit> {
+        let timed = variants.iter().map(|one| (self.minutes(&one.in_runs(1)), one));
+        let mut timed: Vec<(f64, &Variant)> = timed.collect();
+        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best: [Option<Visit>; 2] = [None, None];
+        for (least, variant) in timed {
+            let best = &mut best[usize::from(self.other_grid(variant).is_some())];
+            let is_quicker = |minutes: f64| best.as_ref().is_none_or(|best| minutes < best.minutes);
+            if is_quicker(least) {
+                let visit = self.in_fewest_runs(variant, &is_reached);
+                *best = visit.filter(|visit| is_quicker(visit.minutes)).or(best.take());
+            }
+        }
+        let [own_grid, other_grid] = best;
+        own_grid.or(other_grid)
+    }
+
+    /// With the fewest runs that reach something; what the most do not, no fewer do.
+    fn in_fewest_runs(
+        &self,
+        variant: &Variant,
+        is_reached: impl Fn(&Visit) -> bool,
+    ) -> Option<Visit> {
+        let reached = |runs| self.visit(variant.in_runs(runs)).ok().filter(&is_reached);
+        let most = reached(MOST_RUNS)?;
+        Some((self.fewest_runs()..MOST_RUNS).find_map(reached).unwrap_or(most))
+    }
+
     /// What the figures rest on: what is known of the laser, what U leaves out, then the visit.
     pub(crate) fn assumed(&self, described: &Visit) -> Vec<Finding> {
         let run = &described.variant.run;

@@ -27,7 +27,8 @@ use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::joint::zero;
 use crate::quantity::{
-    AT_PLACE_MM, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerTerm, larger,
+    AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerTerm,
+    larger,
 };
 use crate::text::{Finding, Problems};
 
@@ -227,6 +228,14 @@ impl ErrorModel {
     /// The measured terms in the contract's order.
     pub fn measured(&self) -> impl Iterator<Item = (ErrorTerm, &MeasuredTerm)> {
         self.terms.iter().filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
+    }
+
+    /// Those of a moving axis.
+    pub(crate) fn measured_along(
+        &self,
+        axis: Axis,
+    ) -> impl Iterator<Item = (ErrorTerm, &MeasuredTerm)> {
+        self.measured().filter(move |(term, _)| term.along == axis)
     }
 
     /// Adds the angular errors of a table of their own. What both tables hold is a problem: nobody

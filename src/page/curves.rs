@@ -1,4 +1,5 @@
-//! The nine errors as curves: as found, as forecast, as left, at one scale.
+//! The nine errors as curves: as found, as forecast, as left, at one scale; and positioning at targets, the way the
+//! standards draw it.
 
 use super::locale::Locale;
 use super::picture::{Drawn, Ink, Mark, Picture, Scale, at_one_height};
@@ -6,6 +7,8 @@ use crate::judge::field::Field;
 use crate::judge::forecast::Machine;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::Separation;
+use crate::machine::standards::ByDirection;
+use crate::machine::standards::iso_230_2::{self, Figures, TargetFigures};
 use crate::quantity::{Direction, ErrorCurve, ErrorTerm, Millimetres, larger, smaller};
 use crate::read::emulate::Response;
 
@@ -236,4 +239,39 @@ fn band(ink: Ink, known: &MeasuredTerm, line: &CurveLine) -> Option<Mark> {
     });
     let places: Vec<(f64, f64, f64)> = places.collect::<Option<_>>()?;
     places.iter().any(|(_, low, high)| low < high).then_some(Mark::Band(ink, places))
+}
+
+/// A panel for each set of runs, all at one height: the mean deviation at each target moving + and
+/// moving − (x̄↑, x̄↓ of ISO 230-2), µm against mm, with bands of k·s, k = 2.
+pub fn targets(
+    locale: Locale<'_>,
+    heading: &str,
+    across: &str,
+    of: &[(String, &Figures)],
+) -> Picture {
+    let drawn = of.iter().map(|(name, figures)| {
+        let at = |target: Option<&TargetFigures>| target.map_or(0.0, |t| t.target_mm);
+        let (from, to) = (at(figures.targets.first()), at(figures.targets.last()));
+        (name.clone(), Scale::new(across, from, to).shown_in(locale.mm()), marks_of(figures))
+    });
+    Picture {
+        title: heading.to_string(),
+        description: locale.words("targets_alt"),
+        columns: if of.len() > 1 { 2 } else { 1 },
+        panels: at_one_height(locale, drawn).0,
+        note: locale.words("targets_note"),
+    }
+}
+
+fn marks_of(figures: &Figures) -> Vec<Mark> {
+    let ways = [(Ink::Up, true), (Ink::Down, false)].into_iter();
+    let measured = ways.filter_map(|(ink, is_up)| {
+        let of = |of: &ByDirection| if is_up { of.up_um } else { of.down_um };
+        let targets = figures.targets.iter();
+        let known = targets
+            .filter_map(|t| Some((t.target_mm, of(&t.mean)?, of(&t.s).map(|s| iso_230_2::K * s))));
+        Mark::measured(ink, known)
+    });
+    let (bands, lines): (Vec<_>, Vec<_>) = measured.unzip();
+    bands.into_iter().flatten().chain(lines.into_iter().flatten()).collect()
 }

@@ -234,12 +234,15 @@ impl Report<'_> {
         )
     }
 
+    /// What the second job states under a key.
+    fn after(&self, key: &str) -> Option<&str> {
+        let mut stated = self.visit.protocol_after.iter();
+        stated.find(|(own, _)| own == key).map(|(_, value)| value.as_str())
+    }
+
     /// What the first job states under a key; where the second states something else, both by name.
     fn both(&self, key: &str, first: Option<&str>) -> String {
-        let mut after = self.visit.protocol_after.iter();
-        let after = after.find(|(own, _)| own == key);
-        let after = after.map_or("", |(_, value)| value.as_str());
-        match (first.unwrap_or_default(), after) {
+        match (first.unwrap_or_default(), self.after(key).unwrap_or_default()) {
             (first, "") => first.to_string(),
             (first, after) if first == after => first.to_string(),
             ("", after) => format!("{}: {after}", self.t("left")),
@@ -304,8 +307,8 @@ impl Report<'_> {
         let simulated = self.visit.is_rehearsal.then(|| self.t("rehearsal"));
         let is_assumed = self.visit.assumptions.iter().any(Assumption::is_sign);
         let assumed = is_assumed.then(|| self.t("sign_assumed"));
-        let date = self.visit.protocol_after.iter().find(|(key, _)| key == "date");
-        let date = date.map_or_else(String::new, |(_, date)| format!(" ({})", escaped(date)));
+        let date = self.after("date");
+        let date = date.map_or_else(String::new, |date| format!(" ({})", escaped(date)));
         let shown = self.visit.is_sign_shown;
         let shown = shown.then(|| self.fill("sign_shown", [("date", date)]));
         simulated.into_iter().chain(assumed).chain(shown).collect()

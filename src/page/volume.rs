@@ -30,14 +30,13 @@ const LONGEST: f64 = 0.22;
 /// contributions to the volumetric accuracy.
 pub fn volume(locale: Locale<'_>, heading: &str, sides: &[Side<'_>]) -> Picture {
     let longest = sides.iter().map(|side| longest_of(side.model)).fold(0.0, larger);
-    let views = sides.iter().map(|side| Some(view(locale, side, longest)));
-    let below = [distribution(locale, sides), Some(contributions(locale, sides))];
-    let panels = views.chain(below).filter(Option::is_some);
+    let views = sides.iter().map(|side| view(locale, side, longest));
+    let panels = views.chain(distribution(locale, sides)).chain([contributions(locale, sides)]);
     Picture {
         title: heading.to_string(),
         description: locale.words("volume_alt"),
         columns: 2,
-        panels: panels.collect(),
+        panels: panels.map(Some).collect(),
         note: locale.words("volume_note"),
     }
 }
@@ -189,7 +188,7 @@ impl Trace {
 
     /// One sample: how far along the path, mm, and its error, µm.
     pub fn take(&mut self, s_mm: f64, error_um: [f64; 3]) {
-        while s_mm >= self.stretch_mm * f64::from(u32::try_from(MOST).unwrap_or(u32::MAX)) {
+        while s_mm >= self.stretch_mm * count(MOST) {
             self.stretch_mm *= 2.0;
             let halved = self.stretches.chunks(2);
             self.stretches = halved.map(|two| two.iter().copied().fold(None, both)).collect();
@@ -208,12 +207,11 @@ impl Trace {
 
     /// The extremes in one direction: from where they hold, µm.
     fn band(&self, of: Axis) -> Vec<(f64, f64, f64)> {
-        let n = Axis::ALL.iter().position(|axis| *axis == of).unwrap_or(0);
         let mut from = 0.0;
         let places = self.stretches.iter().filter_map(|stretch| {
             let middle = from + self.stretch_mm / 2.0;
             from += self.stretch_mm;
-            let (low, high) = (*stretch)?[n];
+            let (low, high) = (*stretch)?[of as usize];
             Some((middle, low, high))
         });
         places.collect()
@@ -277,8 +275,7 @@ fn from_above(holes: &[HoleErrors]) -> Option<Panel> {
         });
         let arrows: Vec<_> = arrows.collect();
         if !arrows.is_empty() {
-            let places = holes.iter().map(|(place, _)| *place);
-            marks.push(Mark::Dots(ink, places.collect()));
+            marks.push(Mark::Dots(ink, places().collect()));
             marks.push(Mark::Arrows(ink, arrows));
         }
     }

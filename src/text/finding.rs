@@ -96,12 +96,14 @@ pub(crate) fn once<T: Eq + Hash>(mut items: Vec<T>) -> Vec<T> {
     items
 }
 
-/// Items with one key together, the groups where their first one stands.
-pub(crate) fn grouped<K: PartialEq, T>(items: impl Iterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
+/// What belongs to each key; keys in the order in which they are met.
+pub(crate) fn grouped<K: PartialEq, T>(
+    pairs: impl IntoIterator<Item = (K, T)>,
+) -> Vec<(K, Vec<T>)> {
     let mut groups: Vec<(K, Vec<T>)> = Vec::new();
-    for (key, item) in items {
-        match groups.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, group)) => group.push(item),
+    for (key, item) in pairs {
+        match groups.iter_mut().find(|(own, _)| *own == key) {
+            Some((_, items)) => items.push(item),
             None => groups.push((key, vec![item])),
         }
     }

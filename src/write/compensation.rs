@@ -169,10 +169,8 @@ fn reference_directions(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Ass
     let matters = move |axis: &Axis| {
         let policy = task.job.compensation.backlash[*axis];
         let separates = policy.is_some_and(|policy| policy != BacklashPolicy::Mean);
-        let both_ways = task
-            .model
-            .measured()
-            .any(|(term, measured)| term.along == *axis && measured.measured.has_both_ways());
+        let both_ways =
+            task.model.measured_along(*axis).any(|(_, own)| own.measured.has_both_ways());
         let is_open = |machine: MachineAxis| machine.reference_direction.is_none();
         let open = task.job.machine.axes[*axis].is_some_and(is_open);
         separates && both_ways && open && is_involved(plan, *axis)

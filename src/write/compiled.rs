@@ -137,20 +137,38 @@ pub(crate) fn backlash_parameter(
     named: impl Fn(f64) -> String,
     source: &str,
 ) -> Precondition {
-    let (value, why, when) = match plan.backlash_um[axis] {
-        Some(um) if task.job.compensation.backlash[axis] == Some(BacklashPolicy::TwoTables) => {
-            (named(um), equal_why(task.job, axis), SeenTo::Entered)
-        }
-        Some(um) => (named(um), backlash_why(task.job, axis), SeenTo::Entered),
-        None if plan.has_two_tables(axis) => {
-            ("0".into(), two_tables_why(task.job, axis), SeenTo::Entered)
-        }
-        None => (
-            "as during the measurement".into(),
-            "backlash acts in addition to the table and adds to it",
-            SeenTo::Before,
+    let equal = task.job.compensation.backlash[axis] == Some(BacklashPolicy::TwoTables);
+    let (value, why) = match (plan.backlash_um[axis], counts_as_zero(task.job, axis)) {
+        (Some(um), true) if equal => (
+            named(um),
+            "both directions are equal, so one table holds the error and no reversal is left for the parameter. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)",
         ),
+        (Some(um), false) if equal => (
+            named(um),
+            "both directions of the machine without compensation are equal (the parameter that was active while measuring is taken off), so one table holds the error and no reversal is left for the parameter",
+        ),
+        (Some(um), true) => (
+            named(um),
+            "−B of the measurement, which counts the backlash parameter as 0 while measuring (else state `active_backlash_um`); the table holds the curve of the reference direction",
+        ),
+        (Some(um), false) => (
+            named(um),
+            "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction",
+        ),
+        (None, true) if plan.has_two_tables(axis) => (
+            "0".into(),
+            "the reversal is in the two tables; counted twice it would turn round. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)",
+        ),
+        (None, false) if plan.has_two_tables(axis) => (
+            "0".into(),
+            "the reversal is in the two tables, with the parameter that was active while measuring; counted twice it would turn round",
+        ),
+        (None, _) => {
+            let why = "backlash acts in addition to the table and adds to it";
+            return Precondition::new(what, "as during the measurement", why, source);
+        }
     };
+    let when = SeenTo::Entered;
     Precondition { when, ..Precondition::new(what, value, why, source) }
 }
 
@@ -159,33 +177,6 @@ pub(crate) fn backlash_text(um: f64) -> (String, f64) {
     const DECIMALS: u32 = 1;
     let um = rounded(um, DECIMALS);
     (format!("{um:.1} µm"), um)
-}
-
-/// Why the backlash parameter of an axis has to be −B.
-fn backlash_why(job: &Job, axis: Axis) -> &'static str {
-    if counts_as_zero(job, axis) {
-        "−B of the measurement, which counts the backlash parameter as 0 while measuring (else state `active_backlash_um`); the table holds the curve of the reference direction"
-    } else {
-        "−B of the machine without compensation: the parameter that was active while measuring is contained in it; the table holds the curve of the reference direction"
-    }
-}
-
-/// Why the backlash parameter of an axis with one table for two equal directions has to be 0.
-fn equal_why(job: &Job, axis: Axis) -> &'static str {
-    if counts_as_zero(job, axis) {
-        "both directions are equal, so one table holds the error and no reversal is left for the parameter. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)"
-    } else {
-        "both directions of the machine without compensation are equal (the parameter that was active while measuring is taken off), so one table holds the error and no reversal is left for the parameter"
-    }
-}
-
-/// Why the backlash parameter of an axis with two tables has to be 0.
-fn two_tables_why(job: &Job, axis: Axis) -> &'static str {
-    if counts_as_zero(job, axis) {
-        "the reversal is in the two tables; counted twice it would turn round. The measurement counts the parameter as 0 while measuring (else state `active_backlash_um`)"
-    } else {
-        "the reversal is in the two tables, with the parameter that was active while measuring; counted twice it would turn round"
-    }
 }
 
 /// Whether the backlash parameter of an axis counts as 0 while measuring because nothing says what

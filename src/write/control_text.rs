@@ -54,26 +54,6 @@ impl Switch {
     }
 }
 
-/// What a file that stands apart writes in place of the tables of the kit.
-#[derive(Clone, Debug, Default)]
-pub struct Instead<'a> {
-    /// What it is, in place of the measurement that the tables of the kit are from.
-    pub notice: &'a str,
-    /// Whether the places are those of the kit, so that their terms may be named.
-    pub names_terms: bool,
-    /// Whether numbers keep the digits they were read with, also beyond those of the profile.
-    pub as_read: bool,
-    /// Machine data that it restores (Siemens).
-    pub switches: Vec<Switch>,
-}
-
-impl Instead<'_> {
-    /// Nothing: the kit itself.
-    pub(crate) fn of_kit() -> Instead<'static> {
-        Instead { names_terms: true, ..Instead::default() }
-    }
-}
-
 /// Before the digits of a small number.
 const ZEROS: &str = "0000000000000000";
 
@@ -87,9 +67,14 @@ pub(crate) fn fixed(number: f64, decimals: u32) -> String {
     if !((1..16).contains(&decimals) && digits.abs() <= 1e15 && is_nearest) {
         return format!("{:.*}", places, Figure(number));
     }
-    let (sign, digits) = (if digits < 0.0 { "-" } else { "" }, (digits.abs() as u64).to_string());
-    let zeros = &ZEROS[..(places + 1).saturating_sub(digits.len())];
-    let (whole, parts) = digits.split_at(digits.len().saturating_sub(places));
+    with_point(digits as i64, places)
+}
+
+/// So many last digits as a number with so many decimals, never `-0`.
+pub(crate) fn with_point(digits: i64, decimals: usize) -> String {
+    let (sign, digits) = (if digits < 0 { "-" } else { "" }, digits.unsigned_abs().to_string());
+    let zeros = &ZEROS[..(decimals + 1).saturating_sub(digits.len())];
+    let (whole, parts) = digits.split_at(digits.len().saturating_sub(decimals));
     match zeros.split_at_checked(1) {
         None => [sign, whole, ".", parts].concat(),
         Some((first, others)) => [sign, first, ".", others, parts].concat(),
@@ -127,18 +112,12 @@ pub(crate) fn ascii(text: &str) -> Cow<'_, str> {
 
 fn without_umlauts(text: &str) -> String {
     const PAIRS: [(char, &str); 7] =
-        [('ä', "ae"), ('ö', "oe"), ('ü', "ue"), ('ß', "ss"), ('Ä', "Ae"), ('Ö', "Oe"), ('Ü', "Ue")];
-    const TWO_CHARACTERS: [(&str, &str); 6] = [
-        ("a\u{308}", "ä"),
-        ("o\u{308}", "ö"),
-        ("u\u{308}", "ü"),
-        ("A\u{308}", "Ä"),
-        ("O\u{308}", "Ö"),
-        ("U\u{308}", "Ü"),
-    ];
-    let joined = TWO_CHARACTERS.iter();
-    let text = joined.fold(text.to_string(), |text, (two, one)| text.replace(two, one));
-    let letters: Vec<char> = text.chars().collect();
+        [('ä', "ae"), ('ö', "oe"), ('ü', "ue"), ('Ä', "Ae"), ('Ö', "Oe"), ('Ü', "Ue"), ('ß', "ss")];
+    // An umlaut may be a letter and its dots.
+    let joined = PAIRS[..6].iter().fold(text.to_string(), |text, (umlaut, pair)| {
+        text.replace(&format!("{}\u{308}", &pair[..1]), &umlaut.to_string())
+    });
+    let letters: Vec<char> = joined.chars().collect();
     let is_capital = |at: usize| letters.get(at).is_some_and(|letter| letter.is_uppercase());
     let written = |(at, letter): (usize, &char)| {
         let in_capitals =

@@ -7,7 +7,7 @@
 pub mod program;
 mod templates;
 
-pub use crate::write::control_text::{Instead, Switch};
+pub use crate::write::control_text::Switch;
 pub(crate) use crate::write::family::Emitted;
 pub use templates::Templates;
 
@@ -19,21 +19,22 @@ use crate::quantity::Direction;
 use crate::text::plain::{self, is_ascii_text};
 use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, shown};
 use crate::write::compensation::{Compiled, Placement};
-use crate::write::control_text::{COMMENT_TEXT, Seen, ascii, is_comment_text, seen};
+use crate::write::control_text::{COMMENT_TEXT, Seen, ascii, is_comment_text, seen, with};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::task::Task;
 use serde::Serialize;
 use serde_json::Value;
+use std::cell::LazyCell;
 use tera::Map;
 
-/// A file of the kit, ready to be written.
+/// A file of a kit, or of a measuring run, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RenderedFile {
-    /// Name in the kit.
+pub struct RenderedFile<R = Role> {
+    /// Its name.
     pub path: String,
     /// What it is for.
-    pub role: Role,
+    pub role: R,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
@@ -44,33 +45,18 @@ pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
 /// How the pages of a kit look, on the screen and printed.
 const PAGE_STYLE: &str = include_str!("../../templates/page.css");
 
-/// What the templates of a control see. Every number is finished text.
-#[derive(Clone, Debug, Serialize)]
-pub struct Context(Seen);
-
-/// The same as the engine holds it, for files or, with every text as HTML, for pages.
-fn seen_by(emitted: &Emitted<'_>, is_page: bool) -> Result<tera::Context, Problems> {
-    let own = context_of(emitted)?;
-    Ok(match is_page {
-        true => page_of(&own, escaped),
-        false => engine_context(own),
-    })
-}
-
 /// Names as the engine takes them.
-fn engine_context(names: Seen) -> tera::Context {
+fn engine_context(names: &Seen) -> tera::Context {
     let mut seen = tera::Context::new();
-    let named = names.into_map().into_iter().flatten();
-    let named = named.filter_map(|(name, own)| Some((name.as_str()?.to_string(), own)));
+    let named = names.as_map().into_iter().flatten();
+    let named = named.filter_map(|(name, own)| Some((name.as_str()?.to_string(), own.clone())));
     named.for_each(|(name, own)| seen.insert_value(name, own));
     seen
 }
 
 /// The same with every text as HTML, and the style of a page.
-fn page_of(names: &Seen, text: fn(&str) -> String) -> tera::Context {
-    let mut seen = engine_context(as_html(names, text));
-    seen.insert("style", PAGE_STYLE);
-    seen
+fn page_of(names: &Seen, text: fn(&str) -> String) -> Seen {
+    with(as_html(names, text), "style", PAGE_STYLE.into())
 }
 
 fn as_html(seen: &Seen, text: fn(&str) -> String) -> Seen {
@@ -119,13 +105,13 @@ fn path_of(file: &EmittedFile, item: &tera::Value) -> Option<String> {
     Some(format!("{before}{}{behind}", item.get_from_path(field)?.as_str()?))
 }
 
-/// What the templates of a control see.
-pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems> {
+/// What the templates of a control see. Every number is finished text.
+pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<impl Serialize + use<>, Problems> {
     refuse_unsafe_text(task)?;
-    Ok(Context(context_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()))?))
+    Ok(context_of(&Emitted::of_kit(task, compiled))?)
 }
 
-fn context_of(emitted: &Emitted<'_>) -> Result<Seen, Problems> {
+fn context_of(emitted: &Emitted<'_>) -> Result<Seen, Problem> {
     let own = family(emitted.task.profile).context(emitted).and_then(Seen::into_map);
     let own = own.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
     let head = head_of(emitted).into_map().unwrap_or_default();
@@ -134,11 +120,7 @@ fn context_of(emitted: &Emitted<'_>) -> Result<Seen, Problems> {
 
 /// What a context holds of every control.
 fn head_of(emitted: &Emitted<'_>) -> Seen {
-    let (task, instead) = (emitted.task, emitted.instead);
-    let placements = match instead.names_terms {
-        true => emitted.compiled.placements.as_slice(),
-        false => &[],
-    };
+    let task = emitted.task;
     let machine = &task.job.machine;
     let said = |text: &str| match task.profile.comments.value.are_allowed() {
         true => ascii(text).into_owned(),
@@ -161,20 +143,18 @@ fn head_of(emitted: &Emitted<'_>) -> Seen {
         },
         "measurement": seen! { "date": date.as_str(), "active": active },
         "unit": task.job.compensation.control_unit.word(),
-        "header": header(task, &date, active, instead.notice),
-        "terms": placements.iter().map(term).collect::<Vec<Seen>>(),
+        "header": header(emitted, &date, active),
+        "terms": emitted.placements.iter().map(term).collect::<Vec<Seen>>(),
     }
 }
 
 /// First comments of a file, where the control's files may carry comments: where its values are
 /// from. Only the kit's own tables hold a measurement.
-fn header(task: Task<'_>, date: &str, active: &str, notice: &str) -> Vec<String> {
-    let simulated = task.model.remarks.simulated().next();
+fn header(emitted: &Emitted<'_>, date: &str, active: &str) -> Vec<String> {
+    let simulated = emitted.task.model.remarks.simulated().next();
     let simulated = simulated.map(|_| format!("{SIMULATED}: predicted readings, a rehearsal"));
-    let origin = match notice {
-        "" => format!("measured {date}, compensation active while measuring: {active}"),
-        notice => notice.to_string(),
-    };
+    let measured = || format!("measured {date}, compensation active while measuring: {active}");
+    let origin = emitted.notice.map_or_else(measured, str::to_string);
     simulated.into_iter().chain([origin]).collect()
 }
 
@@ -190,26 +170,34 @@ fn term(placement: &Placement) -> Seen {
 /// Text of a job that reaches a control's file must not be able to end a comment, start a block
 /// or a program (contract §2.3, `name`).
 fn refuse_unsafe_text(task: Task<'_>) -> Result<(), Problems> {
-    let mut problems = Problems::none();
     if !task.profile.comments.value.are_allowed() {
         return Ok(());
     }
-    for (path, text) in comment_texts(task.job) {
-        if !is_comment_text(&ascii(text)) {
-            problems.push(
-                task.job
-                    .problem_at(path, format!("`{path}` goes into comments of the control's files, expected {COMMENT_TEXT}"))
-                    .help("write it in plain letters and digits"),
-            );
-        }
-    }
+    const OF: &str = "the control's files";
+    let mut problems = refused_texts(task.job, comment_texts(task.job), OF);
     if !is_comment_text(&ascii(&task.profile.name)) {
-        problems.push(
-            Problem::new(format!("the profile's `name` goes into comments of the control's files, expected {COMMENT_TEXT}"))
-                .help("write it in plain letters and digits"),
-        );
+        problems.push(no_comment("the profile's `name`", OF, Problem::new));
     }
     problems.or_ok(())
+}
+
+/// Texts of a job that cannot stand in comments of these files.
+fn refused_texts<'a>(
+    job: &Job,
+    texts: impl Iterator<Item = (&'static str, &'a str)>,
+    files: &str,
+) -> Problems {
+    let mut problems = Problems::none();
+    for (path, _) in texts.filter(|(_, text)| !is_comment_text(&ascii(text))) {
+        let at_path = |words: String| job.problem_at(path, words);
+        problems.push(no_comment(&format!("`{path}`"), files, at_path));
+    }
+    problems
+}
+
+fn no_comment(what: &str, files: &str, problem: impl Fn(String) -> Problem) -> Problem {
+    problem(format!("{what} goes into comments of {files}, expected {COMMENT_TEXT}"))
+        .help("write it in plain letters and digits")
 }
 
 /// Texts of a job that stand in comments, with their keys.
@@ -242,7 +230,7 @@ pub fn render(
     compiled: &Compiled,
 ) -> Result<Vec<RenderedFile>, Problems> {
     refuse_unsafe_text(task)?;
-    render_those(templates, &Emitted::of_kit(task, compiled, &Instead::of_kit()), |file| {
+    render_those(templates, &Emitted::of_kit(task, compiled), |file| {
         !file.role.stands_apart() && file.role != Role::Checklist
     })
 }
@@ -252,8 +240,7 @@ pub(crate) fn render_unread(
     task: Task<'_>,
     compiled: &Compiled,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    let instead = Instead::of_kit();
-    let emitted = Emitted::of_kit(task, compiled, &instead);
+    let emitted = Emitted::of_kit(task, compiled);
     render_those(&Templates::default(), &emitted, EmittedFile::is_loaded_unread)
 }
 
@@ -273,8 +260,8 @@ pub(crate) fn render_checklist(
     compiled: &Compiled,
     words: &Words,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    let words = Seen::try_from_serializable(words).map_err(no_context)?;
-    let head = head_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()));
+    let words = Seen::try_from_serializable(words).map_err(templates::no_context)?;
+    let head = head_of(&Emitted::of_kit(task, compiled));
     const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
     let names = head.into_map().unwrap_or_default().into_iter();
     let names = names.filter(|(name, _)| name.as_str().is_some_and(|own| NAMES.contains(&own)));
@@ -284,30 +271,23 @@ pub(crate) fn render_checklist(
     for file in files.filter(|file| file.role == Role::Checklist) {
         // As HTML where the file is a page.
         let [mut seen, names] = match file.is_page() {
-            true => [page_of(&words, marked), page_of(&names, escaped)],
-            false => [&words, &names].map(|own| engine_context(own.clone())),
+            true => {
+                [page_of(&words, marked), as_html(&names, escaped)].map(|own| engine_context(&own))
+            }
+            false => [&words, &names].map(engine_context),
         };
         seen.extend(names);
         let text = templates.text(&file.template, &seen)?;
-        let text = plain::page(&text.replace("\r\n", "\n")).into_owned();
-        rendered.push(RenderedFile {
-            path: file.path.clone(),
-            role: file.role,
-            bytes: text.into_bytes(),
-        });
+        let bytes = plain::page(&text.replace("\r\n", "\n")).into_owned().into_bytes();
+        rendered.push(RenderedFile { path: file.path.clone(), role: file.role, bytes });
     }
     Ok(rendered)
 }
 
-fn no_context(error: impl std::fmt::Display) -> Problem {
-    Problem::new(format!("the context of the templates cannot be made: {error}"))
-}
-
 /// A built-in template, filled in for people.
 pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
-    let seen = tera::Context::from_serialize(context).map_err(no_context)?;
     let text = builtin::template(name).unwrap_or_default();
-    Templates::default().text(&Template { name: name.to_string(), text }, &seen)
+    Templates::default().page(&Template { name: name.to_string(), text }, context)
 }
 
 /// Those files of the profile that are wanted, each in its place: the tables and parameters of a kit, or what stands
@@ -318,32 +298,25 @@ pub(crate) fn render_those(
     is_wanted: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
     let profile = emitted.task.profile;
-    let mut problems = Problems::none();
-    let mut files = Vec::new();
-    for is_page in [false, true] {
-        let own = profile.files.iter().enumerate();
-        let own = own.filter(|(_, file)| file.is_page() == is_page && is_wanted(file));
-        let own: Vec<(usize, &EmittedFile)> = own.collect();
-        if own.is_empty() {
-            continue;
-        }
-        let mut seen = seen_by(emitted, is_page)?;
-        for (place, file) in own {
-            let items = items(&seen, file).map_err(Problems::from);
-            for (path, item) in problems.take(items).unwrap_or_default() {
-                seen.insert_value("item", item);
-                seen.insert("role", file.role.word());
-                let text = templates.text(&file.template, &seen);
-                let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
-                let bytes = problems.take(bytes.map_err(Problems::from));
-                files.extend(
-                    bytes.map(|bytes| (place, RenderedFile { path, role: file.role, bytes })),
-                );
-            }
+    let wanted: Vec<&EmittedFile> = profile.files.iter().filter(|file| is_wanted(file)).collect();
+    if wanted.is_empty() {
+        return Ok(Vec::new());
+    }
+    let own = context_of(emitted)?;
+    let of_pages = LazyCell::new(|| page_of(&own, escaped));
+    let (mut problems, mut files) = (Problems::none(), Vec::new());
+    for file in wanted {
+        let mut seen = engine_context(if file.is_page() { &of_pages } else { &own });
+        seen.insert("role", file.role.word());
+        for (path, item) in problems.take(items(&seen, file)).unwrap_or_default() {
+            seen.insert_value("item", item);
+            let text = templates.text(&file.template, &seen);
+            let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
+            let file = |bytes| RenderedFile { path, role: file.role, bytes };
+            files.extend(problems.take(bytes).map(file));
         }
     }
-    files.sort_by_key(|(place, _)| *place);
-    problems.or_ok(files.into_iter().map(|(_, file)| file).collect())
+    problems.or_ok(files)
 }
 
 /// What a person takes for a blank or for nothing, and a control does not: blanks but the usual one, joiners, empty signs.

@@ -7,8 +7,8 @@ use crate::control::table::Tables;
 use crate::inputs::job::Compensation;
 use crate::quantity::{Deviation, ErrorTerm};
 use crate::text::Problems;
-use crate::write::compiled::{Bump, Compiled};
-use crate::write::control_text::{Instead, Seen};
+use crate::write::compiled::{Bump, Compiled, Placement};
+use crate::write::control_text::{Seen, Switch};
 use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
@@ -114,19 +114,27 @@ pub(crate) trait Family {
     fn zero_the_rest(&self, _kit: &Tables, _proofs: &mut [&mut Tables]) {}
 }
 
-/// What the files with tables are rendered from.
+/// What the files with tables are rendered from: those of the kit, or one that stands apart.
 pub(crate) struct Emitted<'a> {
     pub(crate) task: Task<'a>,
     pub(crate) compiled: &'a Compiled,
-    /// Those of the kit, or of a file that stands apart.
     pub(crate) tables: &'a Tables,
-    pub(crate) instead: &'a Instead<'a>,
+    /// Where terms are that may be named.
+    pub(crate) placements: &'a [Placement],
+    /// What a file that stands apart is, in place of the measurement that the tables of the kit are from.
+    pub(crate) notice: Option<&'static str>,
+    /// Whether numbers keep the digits they were read with, also beyond those of the profile.
+    pub(crate) as_read: bool,
+    /// Machine data that it restores (Siemens).
+    pub(crate) switches: Vec<Switch>,
 }
 
 impl<'a> Emitted<'a> {
     /// The kit itself.
-    pub(crate) fn of_kit(task: Task<'a>, compiled: &'a Compiled, instead: &'a Instead<'a>) -> Self {
-        Emitted { task, compiled, tables: &compiled.tables, instead }
+    pub(crate) fn of_kit(task: Task<'a>, compiled: &'a Compiled) -> Self {
+        let Compiled { tables, placements, .. } = compiled;
+        let (notice, switches) = (None, Vec::new());
+        Emitted { task, compiled, tables, placements, notice, as_read: false, switches }
     }
 }
 

@@ -49,8 +49,7 @@ impl Family for FanucFacts {
             used: compensation.first_set.unwrap_or(1).saturating_sub(1),
             resource: "straightness sets",
             key: "first_set",
-            takes_pairs: false,
-            masters: None,
+            ..TableStock::default()
         })
     }
 
@@ -58,10 +57,8 @@ impl Family for FanucFacts {
         let blocks = self.pitch_points.value.iter();
         let space = blocks.map(|r| r.last - r.first + 1).max().unwrap_or(0);
         if targets.iter().any(|t| t.term.is_cross()) {
-            (
-                self.straightness_axis_points.value.min(space),
-                "the moving axis of a straightness compensation",
-            )
+            let most = self.straightness_axis_points.value.min(space);
+            (most, "the moving axis of a straightness compensation")
         } else {
             (space, "the pitch points")
         }
@@ -119,8 +116,7 @@ impl Family for FanucFacts {
     }
 
     fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
-        let memory: &FanucMemory = emitted.tables.own()?;
-        Some(context(memory, self))
+        Some(context(emitted.tables.own()?, self))
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
@@ -147,8 +143,7 @@ impl Family for FanucFacts {
     }
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        let kit: &FanucMemory = proof.kit.own()?;
-        memory(proof, self, kit).map(Tables::Fanuc)
+        memory(proof, self, proof.kit.own()?).map(Tables::Fanuc)
     }
 
     fn zero_the_rest(&self, kit: &Tables, proofs: &mut [&mut Tables]) {
@@ -207,10 +202,9 @@ fn text(value: ParameterValue) -> String {
 
 /// What the file of a mechanism writes.
 fn memory(proof: &ProofOf<'_>, facts: &FanucFacts, kit: &FanucMemory) -> Option<FanucMemory> {
-    let pairs: Vec<(u32, u32)> = axis_pairs(&proof.plan.names, proof.term)
-        .iter()
-        .map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)))
-        .collect::<Option<_>>()?;
+    let pairs = axis_pairs(&proof.plan.names, proof.term).into_iter();
+    let pairs = pairs.map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)));
+    let pairs: Vec<(u32, u32)> = pairs.collect::<Option<_>>()?;
     let (runs, _) = runs(proof.task, proof.plan, facts, &mut Problems::none());
     let mut out = FanucMemory::default();
     if proof.mechanism == Mechanism::Pitch {
@@ -242,13 +236,11 @@ fn memory(proof: &ProofOf<'_>, facts: &FanucFacts, kit: &FanucMemory) -> Option<
 /// Points of the kit that no proof writes would keep what the control holds: the first file that
 /// holds points writes zeros there.
 fn zero_the_rest(kit: &FanucMemory, proofs: &mut [&mut Tables]) {
-    let mut proofs: Vec<&mut FanucMemory> = proofs
-        .iter_mut()
-        .filter_map(|tables| match tables {
-            Tables::Fanuc(memory) => Some(memory),
-            _ => None,
-        })
-        .collect();
+    let proofs = proofs.iter_mut().filter_map(|tables| match tables {
+        Tables::Fanuc(memory) => Some(memory),
+        _ => None,
+    });
+    let mut proofs: Vec<&mut FanucMemory> = proofs.collect();
     let is_missing = |point: &&u32| !proofs.iter().any(|p| p.points.contains_key(*point));
     let rest: Vec<u32> = kit.points.keys().filter(is_missing).copied().collect();
     if let Some(memory) = proofs.iter_mut().find(|p| !p.points.is_empty()) {

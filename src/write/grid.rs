@@ -29,7 +29,7 @@ const ON_GRID: f64 = 1e-6;
 pub const EDGE_MM: f64 = 0.01;
 
 /// The last digit of a length in the control's files.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LengthDigit {
     /// Unit of the control.
     pub unit: ControlUnit,
@@ -39,7 +39,7 @@ pub struct LengthDigit {
 
 impl LengthDigit {
     /// One last digit, mm.
-    pub fn mm(self) -> f64 {
+    pub(crate) fn digit_mm(self) -> f64 {
         self.unit.in_mm() / self.per_unit()
     }
 
@@ -77,8 +77,13 @@ impl Grid {
 
     /// Coordinate of a point in the control's unit, from whole last digits.
     pub(crate) fn written(&self, index: i64) -> f64 {
-        let reference = (self.reference.mm() / self.digit.mm()).round();
+        let reference = (self.reference.mm() / self.digit.digit_mm()).round();
         (reference + as_number(index * self.spacing_digits)) / self.digit.per_unit() + 0.0
+    }
+
+    /// Distance of two points in the control's unit.
+    pub(crate) fn written_spacing(&self) -> f64 {
+        as_number(self.spacing_digits) / self.digit.per_unit()
     }
 
     /// Whether the points, as they are written, lie within the travel.
@@ -93,6 +98,11 @@ impl Grid {
         usize::try_from(self.last - self.first + 1).unwrap_or(0)
     }
 
+    /// Which of the points is the reference.
+    pub(crate) fn reference_node(&self) -> usize {
+        usize::try_from(-self.first).unwrap_or(0)
+    }
+
     /// First and last machine coordinate.
     pub fn range(&self) -> (Millimetres, Millimetres) {
         (self.position(self.first), self.position(self.last))
@@ -104,7 +114,7 @@ impl Grid {
             first: self.position(self.first),
             step: self.spacing(),
             count: self.count(),
-            reference_node: usize::try_from(-self.first).unwrap_or(0),
+            reference_node: self.reference_node(),
         }
     }
 }
@@ -148,48 +158,38 @@ pub(crate) fn with_spacing(
     digit: LengthDigit,
     spacing_mm: f64,
 ) -> Result<Grid, Problems> {
-    let path = |key: &str| format!("compensation.axes.{}.{key}", axis.key());
-    if spacing_mm < digit.mm() {
-        return Err(job
-            .problem_at(
-                &path("spacing_mm"),
-                format!(
-                    "a spacing of {spacing_mm} mm is below the last digit of the control ({} {})",
-                    digit.mm() / digit.unit.in_mm(),
-                    digit.unit.word()
-                ),
-            )
-            .help("use a larger spacing")
-            .into());
+    let problem = |key: &str, words: String| {
+        job.problem_at(&format!("compensation.axes.{}.{key}", axis.key()), words)
+    };
+    if spacing_mm < digit.digit_mm() {
+        let words = format!(
+            "a spacing of {spacing_mm} mm is below the last digit of the control ({} {})",
+            digit.digit_mm() / digit.unit.in_mm(),
+            digit.unit.word()
+        );
+        return Err(problem("spacing_mm", words).help("use a larger spacing").into());
     }
     let mut problems = Problems::none();
     let spacing_digits = digits_of(spacing_mm, digit);
     let spacing_mm = written_mm(spacing_digits, digit);
-    let (mut first, mut last) = Span::of(machine).indices(spacing_mm);
-    if let Some(start) = settings.start_mm {
-        first = problems
-            .take(on_grid(job, &path("start_mm"), machine, spacing_mm, start))
-            .unwrap_or(first);
-    }
-    if let Some(end) = settings.end_mm {
-        last =
-            problems.take(on_grid(job, &path("end_mm"), machine, spacing_mm, end)).unwrap_or(last);
-    }
+    let (first, last) = Span::of(machine).indices(spacing_mm);
+    let mut stated = |key: &str, stated_mm: Option<f64>| {
+        problems.take(on_grid(machine, spacing_mm, stated_mm?, |words| problem(key, words)))
+    };
+    let first = stated("start_mm", settings.start_mm).unwrap_or(first);
+    let last = stated("end_mm", settings.end_mm).unwrap_or(last);
     if first > 0 || last < 0 {
         let key = if first > 0 { "start_mm" } else { "end_mm" };
-        problems.push(
-            job.problem_at(&path(key), format!("the table of axis {axis} would not hold the reference point {} mm, where it must be zero", machine.reference.mm()))
-                .help("let the table begin at or before the reference and end at or behind it"),
+        let words = format!(
+            "the table of axis {axis} would not hold the reference point {} mm, where it must be zero",
+            machine.reference.mm()
         );
+        let help = "let the table begin at or before the reference and end at or behind it";
+        problems.push(problem(key, words).help(help));
     }
     if first == last && problems.is_empty() {
-        problems.push(
-            job.problem_at(
-                &path("spacing_mm"),
-                format!("the table of axis {axis} would have a single point"),
-            )
-            .help("use a smaller spacing"),
-        );
+        let words = format!("the table of axis {axis} would have a single point");
+        problems.push(problem("spacing_mm", words).help("use a smaller spacing"));
     }
     problems.or_ok(Grid { reference: machine.reference, spacing_digits, digit, first, last })
 }
@@ -197,13 +197,13 @@ pub(crate) fn with_spacing(
 /// A spacing in last digits of the control, rounded up: the table then never ends before the
 /// travel because of the rounding.
 fn digits_of(spacing_mm: f64, digit: LengthDigit) -> i64 {
-    let digits = spacing_mm / digit.mm();
+    let digits = spacing_mm / digit.digit_mm();
     let near = digits.round();
     if (digits - near).abs() <= ON_GRID { whole(near) } else { whole(digits.ceil()) }
 }
 
 fn written_mm(spacing_digits: i64, digit: LengthDigit) -> f64 {
-    as_number(spacing_digits) * digit.mm()
+    as_number(spacing_digits) * digit.digit_mm()
 }
 
 /// A number that was rounded, far below 2^52; NaN and infinity saturate.
@@ -218,21 +218,21 @@ pub(crate) fn as_number(count: i64) -> f64 {
 }
 
 fn on_grid(
-    job: &Job,
-    path: &str,
     machine: MachineAxis,
     spacing_mm: f64,
     place_mm: f64,
-) -> Result<i64, Problems> {
-    let index = (place_mm - machine.reference.mm()) / spacing_mm;
+    problem: impl Fn(String) -> Problem,
+) -> Result<i64, Problem> {
+    let reference_mm = machine.reference.mm();
+    let index = (place_mm - reference_mm) / spacing_mm;
     if (index - index.round()).abs() * spacing_mm <= END_OFF_GRID_MM {
         return Ok(whole(index.round()));
     }
-    let near = |index: f64| machine.reference.mm() + index * spacing_mm;
-    Err(job
-        .problem_at(path, format!("{place_mm} mm is not on the grid of {spacing_mm} mm anchored on the reference {} mm", machine.reference.mm()))
-        .help(format!("the nearest grid points are {} mm and {} mm", near(index.floor()), near(index.ceil())))
-        .into())
+    let [below, above] = [index.floor(), index.ceil()].map(|at| reference_mm + at * spacing_mm);
+    let words = format!(
+        "{place_mm} mm is not on the grid of {spacing_mm} mm anchored on the reference {reference_mm} mm"
+    );
+    Err(problem(words).help(format!("the nearest grid points are {below} mm and {above} mm")))
 }
 
 /// A grid of a number of points: the smallest spacing (rounded up to 0.001 mm) with which that
@@ -281,7 +281,7 @@ pub(crate) fn ending_with_travel(
     most_mm: f64,
 ) -> Option<f64> {
     let digits = |mm: f64| {
-        let digits = mm / digit.mm();
+        let digits = mm / digit.digit_mm();
         let is_whole = (digits - digits.round()).abs() <= ON_GRID;
         (is_whole && digits >= 0.0).then(|| whole(digits.round()))
     };

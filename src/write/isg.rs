@@ -24,7 +24,7 @@ use crate::write::control_text::{Seen, fixed, seen};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
-use crate::write::task::{Plan, PlannedTable, Target, Task};
+use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key};
 
 impl Family for IsgFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
@@ -57,7 +57,8 @@ impl Family for IsgFacts {
         let tables = IsgTables { axes, chain: chain(task).order(), curves, ..IsgTables::NONE };
         let count_um = UM_PER_MM / power_of_ten(self.value_decimals.value);
         let placed = plan.tables.iter();
-        let placed = placed.map(|planned| Placement::of(planned, place(planned), count_um));
+        let placed =
+            placed.map(|own| Placement::of(own, format!("by {}", own.term.along), count_um));
         let backlash_um = |axis| plan.backlash_um[axis].map_or(0.0, |um| backlash_text(um).1);
         Ok(Compiled {
             placements: placed.collect(),
@@ -214,14 +215,14 @@ impl IsgFacts {
         let block = |axis: Axis| {
             let first = along(axis).next()?;
             let row = |index: usize| {
+                let position = first.points.get(index)?.position;
                 let values = along(axis).filter_map(|curve| self.text(curve, index));
                 Some(seen! {
-                    "position": self.position(first.points.get(index)?),
+                    "position": fixed(position, self.position_decimals.value),
                     "values": values.collect::<Vec<String>>(),
                 })
             };
-            let rows = (0..first.points.len()).filter_map(row);
-            let rows: Vec<Seen> = rows.collect();
+            let rows: Vec<Seen> = (0..first.points.len()).filter_map(row).collect();
             let names = along(axis).map(|curve| curve.parameter.to_string());
             Some(seen! {
                 "axis": axis.to_string(),
@@ -230,10 +231,6 @@ impl IsgFacts {
             })
         };
         Axis::ALL.into_iter().filter_map(block).collect()
-    }
-
-    fn position(&self, point: &Point) -> String {
-        fixed(point.position, self.position_decimals.value)
     }
 
     fn text(&self, curve: &Curve, index: usize) -> Option<String> {
@@ -266,7 +263,7 @@ fn logical_axes(task: Task<'_>, plan: &Plan) -> Result<PerAxis<Option<u32>>, Pro
                 "add `travel_mm` and `reference_mm` of this axis, and its `id` in [compensation.axes]",
             ),
             _ => (
-                format!("compensation.axes.{}.ids", axis.key()),
+                axis_key(axis, ".ids"),
                 format!(
                     "`ids` names {} axes for {axis}, the volumetric compensation takes one",
                     names.len()
@@ -280,21 +277,15 @@ fn logical_axes(task: Task<'_>, plan: &Plan) -> Result<PerAxis<Option<u32>>, Pro
     problems.or_ok(PerAxis::from_fn(number))
 }
 
-/// `by X`: a block, or a section, of the parameter file.
-fn place(planned: &PlannedTable) -> String {
-    format!("by {}", planned.term.along)
-}
-
 /// Where the pages of the maker are named.
 const PAGES: &str = "docs/isg.md";
 
 fn preconditions(task: Task<'_>, plan: &Plan, tables: &IsgTables) -> Vec<Precondition> {
-    let along = |axis: Axis| {
-        let own = |curve: &&Curve| curve.parameter.along() == Some(axis);
-        let first = tables.curves.iter().find(own);
-        first.map_or(0, |curve| curve.points.len())
+    let of_axis = |axis: Axis| {
+        let mut curves = tables.curves.iter();
+        curves.find(|curve| curve.parameter.along() == Some(axis)).map(|curve| curve.points.len())
     };
-    let records: usize = Axis::ALL.into_iter().map(along).sum();
+    let records: usize = Axis::ALL.into_iter().filter_map(of_axis).sum();
     let mut list = vec![
         Precondition::new(
             "vol_comp[0].max_records of the start-up list",

@@ -49,12 +49,9 @@ impl Family for LinuxcncFacts {
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
         (!self.has(Mechanism::Hal)).then_some(TableStock {
-            tables: 0,
-            used: 0,
             resource: "tables for cross terms (COMP_FILE corrects its own joint only)",
             key: "terms",
-            takes_pairs: false,
-            masters: None,
+            ..TableStock::default()
         })
     }
 
@@ -85,9 +82,10 @@ impl Family for LinuxcncFacts {
 
     fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let unit = emitted.task.job.compensation.control_unit;
-        let (own, cross) = sorted(tables_of(emitted.tables));
-        let joints = own.into_iter().map(|table| self.seen(table, unit)).collect();
-        Some(self.seen_of_all(joints, &cross, emitted.task.reference_text()))
+        let tables = tables_of(emitted.tables);
+        let own = tables.iter().filter(|table| table.is_own());
+        let joints = own.map(|table| self.seen(table, unit)).collect();
+        Some(self.seen_of_all(joints, tables, emitted.task.reference_text()))
     }
 
     fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {

@@ -13,19 +13,19 @@ pub use crate::write::task::{Plan, PlannedTable, Task, axis_pairs};
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::{Axis, ErrorTerm, PerAxis};
-use crate::text::{Finding, MOST_POINTS, Problem, Problems};
+use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
-use crate::write::grid::Grid;
 use crate::write::selection::{self, Choice, Cost, TableStock};
 use crate::write::target::{self, Omission, Target, TermTargets};
+use crate::write::task::axis_key;
 use grids::{grids, point_limit, tabulate};
 
 /// Makes the plan; all problems are given at once, nothing is rounded yet.
 pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let mut problems = Problems::none();
     let names = problems.take(axis_names(task.job, task.profile));
-    let targets = problems.take(target::targets(task.job, task.profile, task.model));
+    let targets = problems.take(target::targets(task));
     let (Some(names), Some((mut targets, mut omitted))) = (names, targets) else {
         return Err(problems);
     };
@@ -50,33 +50,23 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let Some(grids) = grids else {
         return Err(problems);
     };
-    let tables = tables(task, all, &names, &grids, &mut problems);
-    let backlash_um = backlash(task, &targets);
-    problems.or_ok(Plan {
-        tables,
+    let mut plan = Plan {
+        tables: Vec::new(),
         grids,
         default_names: default_names(task, &names),
         names,
-        backlash_um,
+        backlash_um: backlash(task, &targets),
         omitted,
         notes,
-    })
+    };
+    plan.tables = tables(task, all, &plan, &mut problems);
+    problems.or_ok(plan)
 }
 
 /// What is to be known of the targets, said once for all terms that it holds for: `EYX, EZX: …`.
 fn notes_of(targets: &[TermTargets]) -> impl Iterator<Item = TableFinding> {
-    let mut said: Vec<(&str, Vec<ErrorTerm>)> = Vec::new();
-    for target in targets {
-        let Some(note) = target.note.as_deref() else {
-            continue;
-        };
-        match said.iter_mut().find(|(words, _)| *words == note) {
-            Some((_, terms)) => terms.push(target.term),
-            None => said.push((note, vec![target.term])),
-        }
-    }
-    let said = said.into_iter();
-    said.map(|(note, terms)| TableFinding::OfTarget { terms, note: note.to_string() })
+    let said = targets.iter().filter_map(|target| Some((target.note.clone()?, target.term)));
+    grouped(said).into_iter().map(|(note, terms)| TableFinding::OfTarget { terms, note })
 }
 
 /// What the selection decided, on targets, omissions and notes.
@@ -98,18 +88,14 @@ fn apply(
 
 /// Nothing is left to put into files.
 fn no_table(task: Task<'_>, omitted: &[Omission]) -> Problem {
-    let reasons: Vec<String> =
-        omitted.iter().map(|omission| format!("{}: {}", omission.term, omission.reason)).collect();
-    task.job
-        .problem_at(
-            "compensation.controller",
-            format!(
-                "no measured term gets a table on {}, so there is nothing to write ({})",
-                task.profile.name,
-                reasons.join(" · ")
-            ),
-        )
-        .help("free tables on the control, or compensate terms that need none of them")
+    let reasons = omitted.iter().map(|own| format!("{}: {}", own.term, own.reason));
+    let words = format!(
+        "no measured term gets a table on {}, so there is nothing to write ({})",
+        task.profile.name,
+        reasons.collect::<Vec<_>>().join(" · ")
+    );
+    let problem = task.job.problem_at("compensation.controller", words);
+    problem.help("free tables on the control, or compensate terms that need none of them")
 }
 
 /// Cost of each term in tables the control has few of, and how many it has.
@@ -120,21 +106,19 @@ fn costs(
 ) -> Option<(Vec<Cost>, TableStock)> {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let budget = family(task.profile).budget(&task.job.compensation)?;
-    let costs = targets
-        .iter()
-        .filter(|t| t.term.is_cross() || (budget.takes_pairs && t.targets.len() > 1))
-        .map(|t| {
-            let outputs = names[t.term.of].len();
-            // The mean of a positioning error goes into ENC_COMP, of which each axis has its own.
-            let mean = if t.term.is_positioning() { 0 } else { outputs };
-            Cost {
-                term: t.term,
-                tables: count(outputs * t.targets.len()),
-                mean_tables: t.mean.as_ref().map(|_| count(mean)),
-            }
-        })
-        .collect();
-    Some((costs, budget))
+    let is_limited =
+        |t: &&TermTargets| t.term.is_cross() || (budget.takes_pairs && t.targets.len() > 1);
+    let cost = |t: &TermTargets| {
+        let outputs = names[t.term.of].len();
+        // The mean of a positioning error goes into ENC_COMP, of which each axis has its own.
+        let mean = if t.term.is_positioning() { 0 } else { outputs };
+        Cost {
+            term: t.term,
+            tables: count(outputs * t.targets.len()),
+            mean_tables: t.mean.as_ref().map(|_| count(mean)),
+        }
+    };
+    Some((targets.iter().filter(is_limited).map(cost).collect(), budget))
 }
 
 /// `first_table` or `first_set` names one that the control does not have.
@@ -154,17 +138,15 @@ fn none_left(task: Task<'_>, budget: TableStock) -> Problem {
 fn tables(
     task: Task<'_>,
     targets: Vec<Target>,
-    names: &PerAxis<Vec<String>>,
-    grids: &PerAxis<Option<Grid>>,
+    plan: &Plan,
     problems: &mut Problems,
 ) -> Vec<PlannedTable> {
-    refuse_too_many_points(task, &targets, grids, problems);
-    refuse_too_many_together(task, &targets, names, grids, problems);
+    refuse_too_many_points(task, &targets, plan, problems);
     if !problems.is_empty() {
         return Vec::new();
     }
     let planned = targets.into_iter().filter_map(|target| {
-        let grid = grids[target.term.along]?;
+        let grid = plan.grids[target.term.along]?;
         let (values, grid_residual_um) = tabulate(task, &target, &grid);
         Some(PlannedTable {
             term: target.term,
@@ -180,50 +162,37 @@ fn tables(
     tables
 }
 
-/// Told once for each moving axis.
+const FEWER_POINTS: &str = "use a larger spacing, or `points`, or `max_residual_um`";
+
+/// Told once for each moving axis; and so many points together that no memory would be enough, whatever the
+/// control takes.
 fn refuse_too_many_points(
     task: Task<'_>,
     targets: &[Target],
-    grids: &PerAxis<Option<Grid>>,
+    plan: &Plan,
     problems: &mut Problems,
 ) {
-    for (axis, grid) in grids.iter() {
+    for (axis, grid) in plan.grids.iter() {
         let Some(count) = grid.map(|grid| grid.count()) else {
             continue;
         };
         let along = targets.iter().filter(|target| target.term.along == axis);
         let mut limits = along.map(|target| point_limit(task.profile, &[target]));
         if let Some((most, holder)) = limits.find(|(most, _)| count > *most as usize) {
-            let path = format!("compensation.axes.{}", axis.key());
-            let message =
+            let words =
                 format!("axis {axis} would have {count} points, more than the {most} of {holder}");
-            problems.push(
-                task.job
-                    .problem_at(&path, message)
-                    .help("use a larger spacing, or `points`, or `max_residual_um`"),
-            );
+            problems.push(task.job.problem_at(&axis_key(axis, ""), words).help(FEWER_POINTS));
         }
     }
-}
-
-/// So many points together that no memory would be enough, whatever the control takes.
-fn refuse_too_many_together(
-    task: Task<'_>,
-    targets: &[Target],
-    names: &PerAxis<Vec<String>>,
-    grids: &PerAxis<Option<Grid>>,
-    problems: &mut Problems,
-) {
     let points_of = |target: &Target| {
-        let points = grids[target.term.along].map_or(0, |grid| grid.count());
-        points * names[target.term.of].len()
+        let points = plan.grids[target.term.along].map_or(0, |grid| grid.count());
+        points * plan.names[target.term.of].len()
     };
     let points: usize = targets.iter().map(points_of).sum();
     if points > MOST_POINTS && problems.is_empty() {
         let words =
             format!("the tables would have {points} points, expected at most {MOST_POINTS}");
-        let help = "use a larger spacing, or `points`, or `max_residual_um`";
-        problems.push(task.job.problem_at("compensation.axes", words).help(help));
+        problems.push(task.job.problem_at("compensation.axes", words).help(FEWER_POINTS));
     }
 }
 
@@ -264,21 +233,14 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
             job.compensation.axes[axis].as_ref().map(|s| s.ids.clone()).unwrap_or_default();
         if job.machine.axes[axis].is_none() {
             if !stated.is_empty() {
-                problems.push(
-                    job.problem_at(
-                        &format!("compensation.axes.{}", axis.key()),
-                        format!(
-                            "[compensation.axes.{}] names an axis that [machine] does not have",
-                            axis.key()
-                        ),
-                    )
-                    .help("add it to [machine.axes], or take it out here"),
-                );
+                let path = axis_key(axis, "");
+                let words = format!("[{path}] names an axis that [machine] does not have");
+                let problem = job.problem_at(&path, words);
+                problems.push(problem.help("add it to [machine.axes], or take it out here"));
             }
             Vec::new()
         } else if stated.is_empty() {
-            let index = Axis::ALL.iter().position(|a| *a == axis).unwrap_or(0);
-            vec![defaults[index].clone()]
+            vec![defaults[axis as usize].clone()]
         } else {
             stated
         }
@@ -296,24 +258,15 @@ fn check_names(
     let mut seen: Vec<&String> = Vec::new();
     for (axis, of_axis) in names.iter() {
         for name in of_axis {
-            let path = format!("compensation.axes.{}.id", axis.key());
+            let at_id = |words: String| job.problem_at(&axis_key(axis, ".id"), words);
             if let Some(expected) = family(profile).expected_name(name) {
-                problems.push(
-                    job.problem_at(
-                        &path,
-                        format!("`{name}` is no axis of this control, expected {expected}"),
-                    )
-                    .help("write it as the control shows it"),
-                );
+                let words = format!("`{name}` is no axis of this control, expected {expected}");
+                problems.push(at_id(words).help("write it as the control shows it"));
             }
             if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
-                problems.push(
-                    job.problem_at(
-                        &path,
-                        format!("`{name}` names two axes, expected a name of its own for {axis}"),
-                    )
-                    .help("correct `id` or `ids`"),
-                );
+                let words =
+                    format!("`{name}` names two axes, expected a name of its own for {axis}");
+                problems.push(at_id(words).help("correct `id` or `ids`"));
             }
             seen.push(name);
         }
@@ -321,11 +274,8 @@ fn check_names(
 }
 
 fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
-    let is_default =
-        |axis: Axis| task.job.compensation.axes[axis].as_ref().is_none_or(|s| s.ids.is_empty());
-    names
-        .iter()
-        .map(|(axis, _)| axis)
-        .filter(|axis| !names[*axis].is_empty() && is_default(*axis))
-        .collect()
+    let is_default = |axis: &Axis| {
+        !names[*axis].is_empty() && task.settings(*axis).is_none_or(|s| s.ids.is_empty())
+    };
+    Axis::ALL.into_iter().filter(is_default).collect()
 }

@@ -20,8 +20,6 @@ use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAx
 use crate::write::findings::TableFinding;
 use crate::write::task::{Omission, TermTargets};
 
-type Vector = [f64; 3];
-
 /// What one term costs of a limited resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cost {
@@ -34,7 +32,7 @@ pub struct Cost {
 }
 
 /// How many tables of a kind a control has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TableStock {
     /// Tables of the control.
     pub tables: u32,
@@ -60,11 +58,10 @@ impl TableStock {
         };
         Some(TableStock {
             tables: if masters == 0 { 0 } else { u32::MAX },
-            used: 0,
             resource,
             key: "terms",
-            takes_pairs: false,
             masters: Some(masters),
+            ..TableStock::default()
         })
     }
 
@@ -145,11 +142,11 @@ pub(crate) fn choose(
     costs: &[Cost],
     budget: TableStock,
 ) -> Option<Choice> {
-    let wanted: u32 = costs.iter().map(|cost| cost.tables).sum();
     if budget.holds(costs, &vec![Form::Whole; costs.len()]) {
         return None;
     }
-    let parts = Parts::of(model, targets, costs);
+    let states = PerAxis::from_fn(|axis| states_of(model, targets, axis));
+    let parts = Parts { states, costs };
     let mut best: Option<(f64, Vec<Form>)> = None;
     for forms in maximal(costs, &budget) {
         let limit = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
@@ -163,7 +160,7 @@ pub(crate) fn choose(
         }
     }
     let (left_um, forms) = best?;
-    Some(explain(&parts, costs, &forms, left_um, (budget, wanted)))
+    Some(parts.explain(&forms, left_um, budget))
 }
 
 /// Two largest errors closer than this are equal, µm.
@@ -201,72 +198,70 @@ fn maximal(costs: &[Cost], stock: &TableStock) -> Vec<Vec<Form>> {
     combinations
 }
 
-fn explain(
-    parts: &Parts,
-    costs: &[Cost],
-    forms: &[Form],
-    left_um: f64,
-    (budget, wanted): (TableStock, u32),
-) -> Choice {
-    let shortage = budget.words(wanted);
-    let mut choice = Choice { omitted: Vec::new(), reduced: Vec::new(), left_um };
-    for (index, (cost, form)) in costs.iter().zip(forms).enumerate() {
-        let mut fuller = forms.to_vec();
-        fuller[index] = Form::Whole;
-        let term = cost.term;
-        let with = if *form == Form::Whole {
-            continue;
-        } else {
-            parts.largest(&fuller, f64::INFINITY)
-        };
-        let left =
-            format!("{shortage}; the chosen tables leave at most {left_um:.1} µm in the volume");
-        if budget.tables == 0 {
-            let reason = shortage.clone();
-            choice.omitted.push(Omission { term, reason });
-        } else if *form == Form::Nothing {
-            let reason = format!("{left} ({with:.1} µm if there were a table for {term} too)");
-            choice.omitted.push(Omission { term, reason });
-        } else {
-            let with_um = with;
-            let why = TableFinding::MeanOnly { term, left, with_um };
-            choice.reduced.push((term, why));
-        }
-    }
-    choice
-}
-
-/// What one axis contributes at one of its positions in one direction.
-struct State {
-    /// For each term along the axis: what is left without a table, with the mean, with all.
-    terms: Vec<(ErrorTerm, [f64; 3])>,
-}
+/// What one axis contributes at one of its positions in one direction: for each term along the axis what is left
+/// without a table, with the mean, with all.
+type State = Vec<(ErrorTerm, [f64; 3])>;
 
 /// What the axes leave.
-struct Parts {
+struct Parts<'a> {
     states: PerAxis<Vec<State>>,
-    terms: Vec<ErrorTerm>,
+    costs: &'a [Cost],
 }
 
-impl Parts {
-    fn of(model: &ErrorModel, targets: &[TermTargets], costs: &[Cost]) -> Parts {
-        Parts {
-            states: PerAxis::from_fn(|axis| states_of(model, targets, axis)),
-            terms: costs.iter().map(|cost| cost.term).collect(),
+impl Parts<'_> {
+    fn explain(&self, forms: &[Form], left_um: f64, budget: TableStock) -> Choice {
+        let shortage = budget.words(self.costs.iter().map(|cost| cost.tables).sum());
+        let mut choice = Choice { omitted: Vec::new(), reduced: Vec::new(), left_um };
+        for (index, (cost, form)) in self.costs.iter().zip(forms).enumerate() {
+            let mut fuller = forms.to_vec();
+            fuller[index] = Form::Whole;
+            if *form == Form::Whole {
+                continue;
+            }
+            let (term, with_um) = (cost.term, self.largest(&fuller, f64::INFINITY));
+            let left = format!(
+                "{shortage}; the chosen tables leave at most {left_um:.1} µm in the volume"
+            );
+            if *form == Form::Mean && budget.tables > 0 {
+                choice.reduced.push((term, TableFinding::MeanOnly { term, left, with_um }));
+                continue;
+            }
+            let reason = match budget.tables {
+                0 => shortage.clone(),
+                _ => format!("{left} ({with_um:.1} µm if there were a table for {term} too)"),
+            };
+            choice.omitted.push(Omission { term, reason });
         }
+        choice
     }
 
     /// Largest error vector if the terms have tables of these forms, and all terms that cost
     /// nothing have theirs. Above `enough` any larger value may be returned.
     fn largest(&self, forms: &[Form], enough: f64) -> f64 {
-        let vectors = |axis: Axis| vectors_of(&self.states[axis], |t| self.form_of(t, forms));
-        let [x, y, z] = Axis::ALL.map(vectors);
+        let [x, y, z] = Axis::ALL.map(|axis| self.vectors(axis, forms));
         largest_sum([&x, &y, &z], enough)
     }
 
-    fn form_of(&self, term: ErrorTerm, forms: &[Form]) -> Form {
-        let index = self.terms.iter().position(|own| *own == term);
-        index.map_or(Form::Whole, |index| forms[index])
+    /// What the states of an axis leave, longest first, so that a search can end early.
+    fn vectors(&self, axis: Axis, forms: &[Form]) -> Vec<PerAxis<f64>> {
+        let vector = |state: &State| {
+            let mut vector = PerAxis::default();
+            for (term, left) in state {
+                let index = self.costs.iter().position(|own| own.term == *term);
+                let form = index.map_or(Form::Whole, |index| forms[index]);
+                vector[term.of] += left[form as usize];
+            }
+            vector
+        };
+        let mut vectors: Vec<PerAxis<f64>> = self.states[axis].iter().map(vector).collect();
+        vectors.sort_by(|a, b| b.length().total_cmp(&a.length()));
+        if vectors.iter().all(|v| v.length() < TIE_UM) {
+            vectors.truncate(1);
+        }
+        if vectors.is_empty() {
+            vectors.push(PerAxis::default());
+        }
+        vectors
     }
 }
 
@@ -274,22 +269,18 @@ fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<Sta
     let mut states = Vec::new();
     for direction in directions_of(model, axis) {
         for position in positions_of(model, axis, *direction) {
-            let terms = model
-                .measured()
-                .filter(|(term, _)| term.along == axis)
-                .filter_map(|(term, measured)| {
-                    let curve = measured.measured.curve(*direction)?;
-                    let deviation = curve.at(position).um();
-                    let own = targets.iter().find(|t| t.term == term);
-                    let whole = own.and_then(|t| t.curve(*direction));
-                    let mean = own.and_then(|t| t.mean.as_ref()).or(whole);
-                    let left = |table: Option<&ErrorCurve>| {
-                        deviation - table.map_or(0.0, |curve| curve.at(position).um())
-                    };
-                    Some((term, [deviation, left(mean), left(whole)]))
-                })
-                .collect();
-            states.push(State { terms });
+            let state = model.measured_along(axis).filter_map(|(term, measured)| {
+                let curve = measured.measured.curve(*direction)?;
+                let deviation = curve.at(position).um();
+                let own = targets.iter().find(|t| t.term == term);
+                let whole = own.and_then(|t| t.curve(*direction));
+                let mean = own.and_then(|t| t.mean.as_ref()).or(whole);
+                let left = |table: Option<&ErrorCurve>| {
+                    deviation - table.map_or(0.0, |curve| curve.at(position).um())
+                };
+                Some((term, [deviation, left(mean), left(whole)]))
+            });
+            states.push(state.collect());
         }
     }
     states
@@ -297,85 +288,37 @@ fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<Sta
 
 /// The directions in which an axis has curves of its own; without directions one tells all.
 fn directions_of(model: &ErrorModel, axis: Axis) -> &'static [Direction] {
-    let undirected = model
-        .measured()
-        .filter(|(term, _)| term.along == axis)
-        .all(|(_, measured)| matches!(measured.measured, Measured::Undirected(_)));
+    let mut along = model.measured_along(axis);
+    let undirected = along.all(|(_, own)| matches!(own.measured, Measured::Undirected(_)));
     if undirected { &[Direction::Plus] } else { &Direction::BOTH }
 }
 
 fn positions_of(model: &ErrorModel, axis: Axis, direction: Direction) -> Vec<Millimetres> {
-    let mut positions: Vec<Millimetres> = model
-        .measured()
-        .filter(|(term, _)| term.along == axis)
-        .filter_map(|(_, measured)| measured.measured.curve(direction))
-        .flat_map(|curve| curve.knots().iter().copied())
-        .collect();
+    let curves = model.measured_along(axis).filter_map(|(_, own)| own.measured.curve(direction));
+    let mut positions: Vec<Millimetres> = curves.flat_map(|own| own.knots().to_vec()).collect();
     positions.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
     positions.dedup();
     positions
 }
 
-/// What the states leave, longest first, so that a search can end early.
-fn vectors_of(states: &[State], form_of: impl Fn(ErrorTerm) -> Form) -> Vec<Vector> {
-    let mut vectors: Vec<Vector> = states
-        .iter()
-        .map(|state| {
-            let mut vector = [0.0; 3];
-            for (term, left) in &state.terms {
-                vector[component(term.of)] += match form_of(*term) {
-                    Form::Nothing => left[0],
-                    Form::Mean => left[1],
-                    Form::Whole => left[2],
-                };
-            }
-            vector
-        })
-        .collect();
-    vectors.sort_by(|a, b| length(*b).total_cmp(&length(*a)));
-    if vectors.iter().all(|v| length(*v) < TIE_UM) {
-        vectors.truncate(1);
-    }
-    if vectors.is_empty() {
-        vectors.push([0.0; 3]);
-    }
-    vectors
-}
-
-fn component(axis: Axis) -> usize {
-    match axis {
-        Axis::X => 0,
-        Axis::Y => 1,
-        Axis::Z => 2,
-    }
-}
-
-fn length(v: Vector) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
-}
-
-fn sum(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
 /// Largest |a + b + c| over three sets of vectors, each with its longest first; the search ends
 /// as soon as it is above `enough`. A partial sum that cannot beat the best even with the longest
 /// partner is ignored.
-fn largest_sum([first, second, third]: [&[Vector]; 3], enough: f64) -> f64 {
-    let longest = |set: &[Vector]| set.first().map_or(0.0, |v| length(*v));
+fn largest_sum([first, second, third]: [&[PerAxis<f64>]; 3], enough: f64) -> f64 {
+    let longest = |set: &[PerAxis<f64>]| set.first().map_or(0.0, |v| v.length());
     let (of_second, of_third) = (longest(second), longest(third));
     let mut best = 0.0_f64;
     for a in first {
-        if length(*a) + of_second + of_third <= best {
+        if a.length() + of_second + of_third <= best {
             break;
         }
         for b in second {
-            let partial = sum(*a, *b);
-            if length(partial) + of_third <= best {
+            let partial = a.plus(*b);
+            if partial.length() + of_third <= best {
                 continue;
             }
             for c in third {
-                best = best.max(length(sum(partial, *c)));
+                best = best.max(partial.plus(*c).length());
             }
             if best > enough {
                 return best;

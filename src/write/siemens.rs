@@ -19,12 +19,12 @@ use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTables};
 use crate::inputs::job::Compensation;
-use crate::quantity::{Deviation, ErrorTerm, UM_PER_MM, power_of_ten};
+use crate::quantity::{Deviation, ErrorTerm, power_of_ten};
 use crate::text::Problems;
 use crate::write::compiled::{Compiled, Placement, control_state};
 use crate::write::control_text::{Seen, trimmed};
 use crate::write::family::{Emitted, Family, ProofOf};
-use crate::write::grid::{Grid, LengthDigit, as_number};
+use crate::write::grid::{Grid, LengthDigit};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 
@@ -69,8 +69,7 @@ impl Family for SiemensFacts {
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let (mut tables, mut placements) = (Vec::new(), Vec::new());
         let mut number = task.job.compensation.first_table.unwrap_or(0);
-        let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
-        let count_um = um_per_unit / power_of_ten(self.value_decimals.value);
+        let count_um = task.unit_um() / power_of_ten(self.value_decimals.value);
         for planned in &plan.tables {
             let mut places = Vec::new();
             for output in &plan.names[planned.term.of] {
@@ -199,7 +198,7 @@ fn shown(state: &ControlState, table: &SiemensTable) -> String {
 fn siemens_grid(grid: &Grid) -> SiemensGrid {
     SiemensGrid {
         min: grid.written(grid.first),
-        step: as_number(grid.spacing_digits) / grid.digit.per_unit(),
+        step: grid.written_spacing(),
         max: grid.written(grid.last),
     }
 }
@@ -213,14 +212,11 @@ fn values(
 ) -> Vec<Option<f64>> {
     let (sign, _) = facts.of_place(place);
     let per_unit = power_of_ten(facts.value_decimals.value);
-    let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
-    deviations
-        .iter()
-        .map(|deviation| {
-            let counts = (sign.table_um(*deviation) / um_per_unit * per_unit).round();
-            Some(counts / per_unit + 0.0) // + 0.0 turns −0 into 0
-        })
-        .collect()
+    let value = |deviation: &Deviation| {
+        let counts = (sign.table_um(*deviation) / task.unit_um() * per_unit).round();
+        Some(counts / per_unit + 0.0) // + 0.0 turns −0 into 0
+    };
+    deviations.iter().map(value).collect()
 }
 
 /// What the control would cut off is refused before it is written.
@@ -229,12 +225,9 @@ fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Re
     if sum <= limit {
         return Ok(());
     }
-    Err(task
-        .job
-        .problem_at(
-            "compensation.controller",
-            format!("CEC corrections may add up to {sum:.0} µm, more than the {limit} µm at which the control cuts off (MD32720)"),
-        )
-        .help("check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`")
-        .into())
+    let words = format!(
+        "CEC corrections may add up to {sum:.0} µm, more than the {limit} µm at which the control cuts off (MD32720)"
+    );
+    let help = "check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`";
+    Err(task.job.problem_at("compensation.controller", words).help(help).into())
 }

@@ -12,10 +12,9 @@
 
 pub use crate::write::compiled::{Bump, SignProof};
 
-use crate::control::controller::Proof;
 use crate::control::table::Tables;
-use crate::inputs::job::LEAST_BUMP_UM;
-use crate::quantity::{Axis, ErrorTerm, Millimetres};
+use crate::inputs::job::{LEAST_BUMP_UM, MachineAxis};
+use crate::quantity::{ErrorTerm, Millimetres};
 use crate::text::Finding;
 use crate::write::compiled::{Compiled, whole_below};
 use crate::write::family::{ProofOf, family};
@@ -59,7 +58,14 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
         });
         match proof {
             Some(proof) => found.proofs.push(proof),
-            None => found.missing.push(no_place(task, of).into()),
+            None => found.missing.push(
+                TableFinding::NoSignProof {
+                    mechanism: of.name,
+                    least_um: LEAST_BUMP_UM,
+                    slope_um_per_mm: task.job.limits.max_slope_um_per_mm,
+                }
+                .into(),
+            ),
         }
     }
     let tables = found.proofs.iter_mut().map(|proof| &mut proof.tables);
@@ -105,19 +111,19 @@ fn bump(
     if family(task.profile).proves_by_slope() {
         return slope(task, planned, count_um);
     }
-    let grid = planned.grid;
+    let (grid, machine) = (planned.grid, task.job.machine.axes[planned.term.along]?);
     let most = whole_below(most_um(task, planned) / count_um);
     let slope_um = task.job.limits.max_slope_um_per_mm * grid.spacing().mm();
     let by_slope = whole_below(slope_um / count_um);
     let in_section = section_limit.map_or(by_slope, |limit| limit.min(by_slope));
-    let stretches = stretches(task, planned.term.along, &grid)?;
+    let stretches = stretches(machine, &grid);
     let widest = stretches.iter().map(|(low, high)| (high - low) / 2).max()?;
     if widest < 1 || in_section < 1 || most < 1 {
         return None;
     }
     let rise = ((most + in_section - 1) / in_section).min(widest);
     let counts = most.min(rise * in_section);
-    let peak = nearest_to_the_middle(task, planned.term.along, &grid, &stretches, rise)?;
+    let peak = nearest_to_the_middle(machine, &grid, &stretches, rise)?;
     let bump = Bump { grid, peak, rise, counts, count_um, is_slope: false };
     (bump.height().um() >= LEAST_BUMP_UM).then_some(bump)
 }
@@ -126,7 +132,7 @@ fn bump(
 /// [`LEAST_BUMP_UM`].
 fn slope(task: Task<'_>, planned: &PlannedTable, count_um: f64) -> Option<Bump> {
     let grid = planned.grid;
-    let [(low, _), (_, high)] = stretches(task, planned.term.along, &grid)?;
+    let [(low, _), (_, high)] = stretches(task.job.machine.axes[planned.term.along]?, &grid);
     let peak = if -low > high { low } else { high };
     let far = (grid.position(peak) - grid.reference).mm().abs();
     let most_um = most_um(task, planned).min(task.job.limits.max_slope_um_per_mm * far);
@@ -143,23 +149,20 @@ fn slope(task: Task<'_>, planned: &PlannedTable, count_um: f64) -> Option<Bump> 
 
 /// Nodes on both sides of the reference that a bump may use: inside table and travel, at least
 /// one section away from the reference.
-fn stretches(task: Task<'_>, axis: Axis, grid: &Grid) -> Option<[(i64, i64); 2]> {
-    let machine = task.job.machine.axes[axis]?;
+fn stretches(machine: MachineAxis, grid: &Grid) -> [(i64, i64); 2] {
     let spacing = grid.spacing().mm();
     let nodes = |place: Millimetres| (place.mm() - grid.reference.mm()) / spacing;
     let low = -whole_below(-nodes(machine.low));
     let high = whole_below(nodes(machine.high));
-    Some([(low.max(grid.first), -1), (1, high.min(grid.last))])
+    [(low.max(grid.first), -1), (1, high.min(grid.last))]
 }
 
 fn nearest_to_the_middle(
-    task: Task<'_>,
-    axis: Axis,
+    machine: MachineAxis,
     grid: &Grid,
     stretches: &[(i64, i64)],
     rise: i64,
 ) -> Option<i64> {
-    let machine = task.job.machine.axes[axis]?;
     let middle = f64::midpoint(machine.low.mm(), machine.high.mm());
     let wanted = ((middle - grid.reference.mm()) / grid.spacing().mm()).round();
     let peaks = stretches.iter().filter_map(|(low, high)| {
@@ -168,12 +171,4 @@ fn nearest_to_the_middle(
     });
     let distance = |peak: &i64| (grid.position(*peak).mm() - middle).abs();
     peaks.min_by(|a, b| distance(a).total_cmp(&distance(b)))
-}
-
-const fn no_place(task: Task<'_>, of: &Proof) -> TableFinding {
-    TableFinding::NoSignProof {
-        mechanism: of.name,
-        least_um: LEAST_BUMP_UM,
-        slope_um_per_mm: task.job.limits.max_slope_um_per_mm,
-    }
 }

@@ -4,33 +4,26 @@ pub use crate::write::task::{Omission, Target, TermTargets};
 
 use crate::control::controller::Profile;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms, one_for_all};
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::machine::model::{Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm};
-use crate::text::{Problem, Problems};
+use crate::text::{Problem, Problems, joined};
 use crate::write::family::family;
-
-/// Whether a control can hold separate tables for the two directions of a term.
-pub fn takes_directions(profile: &Profile, term: ErrorTerm) -> bool {
-    family(profile).takes_directions(term)
-}
+use crate::write::task::Task;
 
 /// The targets of all wanted terms, and the terms that are not wanted or not determined.
-pub fn targets(
-    job: &Job,
-    profile: &Profile,
-    model: &ErrorModel,
-) -> Result<(Vec<TermTargets>, Vec<Omission>), Problems> {
+pub fn targets(task: Task<'_>) -> Result<(Vec<TermTargets>, Vec<Omission>), Problems> {
+    let Task { job, profile, model } = task;
     let mut problems = Problems::none();
-    check_wanted(job, model, &mut problems);
-    check_policy(job, model, &mut problems);
-    check_one_way(job, model, &mut problems);
+    check_wanted(task, &mut problems);
+    check_policy(task, &mut problems);
+    check_one_way(task, &mut problems);
     let mut targets = Vec::new();
     let mut omitted = Vec::new();
     for (term, measured) in model.measured() {
         if let Some(reason) = family(profile).refuses(term) {
             omitted.push(Omission { term, reason });
         } else if wants(job, term) {
-            if let Some(of_term) = problems.take(term_targets(job, profile, term, measured)) {
+            if let Some(of_term) = problems.take(term_targets(task, term, measured)) {
                 targets.push(of_term);
             }
         } else {
@@ -54,51 +47,44 @@ pub(crate) fn wants(job: &Job, term: ErrorTerm) -> bool {
     }
 }
 
-fn check_wanted(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let WantedTerms::Listed(terms) = &job.compensation.terms else {
+fn check_wanted(task: Task<'_>, problems: &mut Problems) {
+    let WantedTerms::Listed(terms) = &task.job.compensation.terms else {
         return;
     };
-    for term in terms.iter().filter(|term| model.terms[**term].is_none()) {
-        problems.push(
-            job.problem_at(
-                "compensation.terms",
-                format!("`terms` asks for {term}, which was not measured"),
-            )
-            .help("remove it, or measure it"),
-        );
+    for term in terms.iter().filter(|term| task.model.terms[**term].is_none()) {
+        let words = format!("`terms` asks for {term}, which was not measured");
+        let problem = task.job.problem_at("compensation.terms", words);
+        problems.push(problem.help("remove it, or measure it"));
     }
 }
 
 /// The wanted errors along an axis.
-fn along<'a>(
-    job: &'a Job,
-    model: &'a ErrorModel,
-    axis: Axis,
-) -> impl Iterator<Item = (ErrorTerm, &'a Measured)> {
-    let own = move |(term, _): &(ErrorTerm, _)| term.along == axis && wants(job, *term);
-    let own = model.measured().filter(own);
+fn along(task: Task<'_>, axis: Axis) -> impl Iterator<Item = (ErrorTerm, &Measured)> {
+    let own = task.model.measured_along(axis).filter(move |(term, _)| wants(task.job, *term));
     own.map(|(term, measured)| (term, &measured.measured))
 }
 
-fn check_policy(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let both_ways = |axis: &Axis| along(job, model, *axis).any(|(_, m)| m.has_both_ways());
-    let policies = &job.compensation.backlash;
+fn check_policy(task: Task<'_>, problems: &mut Problems) {
+    let both_ways = |axis: &Axis| along(task, *axis).any(|(_, m)| m.has_both_ways());
+    let policies = &task.job.compensation.backlash;
     let is_open = |axis: &Axis| policies[*axis].is_none() && both_ways(axis);
     if Axis::ALL.iter().any(is_open) {
-        problems.push(
-            job.problem_at("compensation", format!("the errors {} in both directions, but `backlash` is not stated; there is no default", known_how(job)))
-                .help("write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\""),
+        let words = format!(
+            "the errors {} in both directions, but `backlash` is not stated; there is no default",
+            known_how(task.job)
         );
+        let help = "write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\"";
+        problems.push(task.job.problem_at("compensation", words).help(help));
     }
-    check_directions(job, model, problems);
+    check_directions(task, problems);
 }
 
 /// A policy for two directions needs errors that have them: along the axis that it is stated for; one for all
 /// axes, along any of them.
-fn check_directions(job: &Job, model: &ErrorModel, problems: &mut Problems) {
-    let policies = &job.compensation.backlash;
+fn check_directions(task: Task<'_>, problems: &mut Problems) {
+    let (job, policies) = (task.job, &task.job.compensation.backlash);
     let is_directed =
-        |axis: &Axis| along(job, model, *axis).any(|(_, m)| !matches!(m, Measured::Undirected(_)));
+        |axis: &Axis| along(task, *axis).any(|(_, m)| !matches!(m, Measured::Undirected(_)));
     let for_all = one_for_all(policies);
     if for_all && Axis::ALL.iter().any(is_directed) {
         return;
@@ -114,7 +100,7 @@ fn check_directions(job: &Job, model: &ErrorModel, problems: &mut Problems) {
             job.problem_at("compensation.backlash", format!("`backlash = \"{word}\"` needs errors measured in both directions"))
                 .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out")
         } else {
-            let found = match along(job, model, axis).next() {
+            let found = match along(task, axis).next() {
                 Some(_) => "those of the job have no direction",
                 None => "the job compensates none",
             };
@@ -138,36 +124,22 @@ fn known_how(job: &Job) -> &'static str {
 }
 
 /// A policy for two directions says nothing about an axis that was measured in one.
-fn check_one_way(job: &Job, model: &ErrorModel, problems: &mut Problems) {
+fn check_one_way(task: Task<'_>, problems: &mut Problems) {
     for axis in Axis::ALL {
-        let Some(policy) = job.compensation.backlash[axis] else {
+        let Some(policy) = task.job.compensation.backlash[axis] else {
             continue;
         };
         for direction in Direction::BOTH {
-            let terms = one_way_terms(job, model, axis, direction);
+            let is_one_way =
+                |own: &Measured| matches!(own, Measured::OneWay(way, _) if *way == direction);
+            let terms = along(task, axis).filter(|(_, own)| is_one_way(own));
+            let terms: Vec<ErrorTerm> = terms.map(|(term, _)| term).collect();
             let fits = policy == BacklashPolicy::ForwardOnly && direction == Direction::Plus;
             if !terms.is_empty() && !fits {
-                problems.push(one_way_problem(job, policy, axis, direction, &terms));
+                problems.push(one_way_problem(task.job, policy, axis, direction, &terms));
             }
         }
     }
-}
-
-/// The wanted terms along an axis that were measured moving in this direction only.
-fn one_way_terms(
-    job: &Job,
-    model: &ErrorModel,
-    axis: Axis,
-    direction: Direction,
-) -> Vec<ErrorTerm> {
-    let is_one_way =
-        |measured: &Measured| matches!(measured, Measured::OneWay(own, _) if *own == direction);
-    model
-        .measured()
-        .filter(|(term, _)| term.along == axis && wants(job, *term))
-        .filter(|(_, measured)| is_one_way(&measured.measured))
-        .map(|(term, _)| term)
-        .collect()
 }
 
 fn one_way_problem(
@@ -177,7 +149,6 @@ fn one_way_problem(
     direction: Direction,
     terms: &[ErrorTerm],
 ) -> Problem {
-    let names: Vec<String> = terms.iter().map(ErrorTerm::to_string).collect();
     let needs = match policy {
         BacklashPolicy::ForwardOnly => "takes the + direction",
         _ => "needs both directions",
@@ -192,26 +163,25 @@ fn one_way_problem(
     let message = format!(
         "`backlash = \"{}\"` {needs}, but axis {axis} was measured in {direction} only ({})",
         policy.word(),
-        names.join(", ")
+        joined(terms)
     );
     job.problem_at("compensation.backlash", message).help(help)
 }
 
 fn term_targets(
-    job: &Job,
-    profile: &Profile,
+    task: Task<'_>,
     term: ErrorTerm,
     measured: &MeasuredTerm,
 ) -> Result<TermTargets, Problems> {
     match &measured.measured {
         Measured::Undirected(curve) => Ok(one_table(term, curve.clone(), None)),
-        Measured::OneWay(direction, curve) => {
-            let note = one_way_note(*direction);
+        Measured::OneWay(way, curve) => {
+            let other = way.opposite();
+            let note =
+                format!("measured moving {way} only; what it is moving {other} is not known");
             Ok(one_table(term, curve.clone(), Some(note)))
         }
-        Measured::BothWays { plus, minus } => {
-            both_ways(job, profile, (term, measured), (plus, minus))
-        }
+        Measured::BothWays { plus, minus } => both_ways(task, (term, measured), (plus, minus)),
     }
 }
 
@@ -221,43 +191,41 @@ fn one_table(term: ErrorTerm, curve: ErrorCurve, note: Option<String>) -> TermTa
 
 /// The targets of a term that was measured in both directions, as the policy of its axis asks.
 fn both_ways(
-    job: &Job,
-    profile: &Profile,
+    task: Task<'_>,
     (term, measured): (ErrorTerm, &MeasuredTerm),
     (plus, minus): (&ErrorCurve, &ErrorCurve),
 ) -> Result<TermTargets, Problems> {
-    let machine = job.machine.axes[term.along];
+    let machine = task.job.machine.axes[term.along];
     let at_reference = |curve: &ErrorCurve| match machine {
         Some(axis) => curve.rezeroed_at(axis.reference),
         None => curve.clone(),
     };
-    let policy = job.compensation.backlash[term.along].unwrap_or(BacklashPolicy::Mean);
+    let policy = task.job.compensation.backlash[term.along].unwrap_or(BacklashPolicy::Mean);
     let mean = plus.mean_with(minus).map(|mean| at_reference(&mean));
-    let has_two = policy == BacklashPolicy::TwoTables;
     let equal = are_equal(&measured.measured);
     match policy {
         BacklashPolicy::ForwardOnly => Ok(one_table(term, at_reference(plus), None)),
         BacklashPolicy::CurveAndParameter => {
-            let curve = match machine.map_or(Direction::Plus, |axis| axis.homing()) {
-                Direction::Plus => plus,
-                Direction::Minus => minus,
-            };
+            let homing = machine.map_or(Direction::Plus, |axis| axis.homing());
+            let curve = measured.measured.curve(homing).unwrap_or(plus);
             let note = term.is_cross().then(|| "a backlash parameter cannot hold the reversal of a straightness; only the curve of the reference direction is compensated".to_string());
             Ok(one_table(term, at_reference(curve), note))
         }
-        BacklashPolicy::TwoTables if takes_directions(profile, term) && !equal => Ok(TermTargets {
-            term,
-            targets: vec![
-                directed(term, Direction::Plus, plus),
-                directed(term, Direction::Minus, minus),
-            ],
-            mean,
-            note: noise_note(measured.u_value_um(), plus.difference(minus)),
-        }),
+        BacklashPolicy::TwoTables if family(task.profile).takes_directions(term) && !equal => {
+            let directed = |(way, curve): (Option<Direction>, &ErrorCurve)| Target {
+                term,
+                direction: way,
+                curve: curve.clone(),
+            };
+            let targets = measured.measured.ways().map(directed).collect();
+            let note = noise_note(measured.u_value_um(), plus.difference(minus));
+            Ok(TermTargets { term, targets, mean, note })
+        }
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
             let none =
                 || Problem::new(format!("the two directions of {term} have no common range"));
-            let note = has_two.then(|| one_for_two_note(profile, equal));
+            let has_two = policy == BacklashPolicy::TwoTables;
+            let note = has_two.then(|| one_for_two_note(task.profile, equal));
             Ok(one_table(term, mean.ok_or_else(none)?, note))
         }
     }
@@ -288,10 +256,6 @@ pub(crate) fn are_equal(measured: &Measured) -> bool {
         && difference.is_some_and(|curve| curve.largest_magnitude(from, to) < EQUAL_UM)
 }
 
-fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target {
-    Target { term, direction: Some(direction), curve: curve.clone() }
-}
-
 /// Two tables of a term whose reversal could be noise: U of a difference of two values is 2·√2·u.
 fn noise_note(u_um: Option<f64>, reversal: Option<ErrorCurve>) -> Option<String> {
     let (u_um, reversal) = (u_um?, reversal?);
@@ -304,11 +268,4 @@ fn noise_note(u_um: Option<f64>, reversal: Option<ErrorCurve>) -> Option<String>
              of a difference: the two tables may write noise; `backlash = \"mean\"` writes one"
         )
     })
-}
-
-fn one_way_note(direction: Direction) -> String {
-    format!(
-        "measured moving {direction} only; what it is moving {} is not known",
-        direction.opposite()
-    )
 }

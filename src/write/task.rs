@@ -3,7 +3,7 @@
 use crate::control::controller::Profile;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::machine::model::ErrorModel;
-use crate::quantity::{Axis, Deviation, Direction, ErrorCurve, ErrorTerm, PerAxis};
+use crate::quantity::{Axis, Deviation, Direction, ErrorCurve, ErrorTerm, PerAxis, UM_PER_MM};
 use crate::text::Finding;
 use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
@@ -20,15 +20,30 @@ pub struct Task<'a> {
     pub model: &'a ErrorModel,
 }
 
-impl Task<'_> {
+/// The section of an axis in `[compensation.axes]`, or a key (`.points`) of it.
+pub(crate) fn axis_key(axis: Axis, key: &str) -> String {
+    format!("compensation.axes.{}{key}", axis.key())
+}
+
+impl<'a> Task<'a> {
     /// Settings and machine data of an axis that moves or is corrected.
-    pub fn axis(&self, axis: Axis) -> Option<(MachineAxis, &AxisSettings)> {
-        Some((self.job.machine.axes[axis]?, self.job.compensation.axes[axis].as_ref()?))
+    pub fn axis(&self, axis: Axis) -> Option<(MachineAxis, &'a AxisSettings)> {
+        Some((self.job.machine.axes[axis]?, self.settings(axis)?))
+    }
+
+    /// The settings of an axis, where the job has any.
+    pub(crate) fn settings(&self, axis: Axis) -> Option<&'a AxisSettings> {
+        self.job.compensation.axes[axis].as_ref()
+    }
+
+    /// One unit of length of the control, µm.
+    pub(crate) fn unit_um(&self) -> f64 {
+        self.job.compensation.control_unit.in_mm() * UM_PER_MM
     }
 
     /// The detection unit of an axis, µm, where it is stated.
     pub(crate) fn detection_unit_um(&self, axis: Axis) -> Option<f64> {
-        self.job.compensation.axes[axis].as_ref()?.detection_unit_um
+        self.settings(axis)?.detection_unit_um
     }
 
     /// Machine coordinates of the reference points, as they stand in files and preconditions.

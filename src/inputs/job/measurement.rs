@@ -198,6 +198,14 @@ section! {
 }
 
 impl Measurement {
+    /// How the diagonals were measured; `None` = there are error tables.
+    pub(crate) const fn diagonals(&self) -> Option<&DiagonalMeasurement> {
+        match &self.data {
+            MeasuredData::Diagonals(how) => Some(how),
+            MeasuredData::Errors(_) => None,
+        }
+    }
+
     /// Keys of `[measurement.uncertainty]` that are stated and count in no figure: those that only
     /// readings of the diagonals have a use for.
     pub(crate) fn unused_keys(&self) -> Vec<&'static str> {

@@ -7,13 +7,13 @@
 
 use crate::control::checklist::Listed;
 use crate::control::controller::{Evidence, Role, Statement};
-use crate::kit::made::{Made, as_kit_file};
+use crate::kit::made::{KEEP_TO_THE_FORMAT, Made, as_read};
 use crate::quantity::{Axis, Direction, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
-use crate::read::{KitFile, ReadBack, emulator, load, read_apart};
+use crate::read::{ReadBack, emulator, load, read_apart};
 use crate::text::{BLANK, Finding, Problem, Problems, joined};
 use crate::write::compensation::trimmed;
-use crate::write::emit::{self, Emitted, Instead, RenderedFile};
+use crate::write::emit::{self, Emitted, RenderedFile};
 use crate::write::plan::{Plan, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
 use serde_json::{Value, json};
@@ -70,23 +70,17 @@ impl Proofs {
 fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, Problems> {
     let slope = "SIGN PROOF: zero but for one slope; load the values of the kit again after it";
     let bump = "SIGN PROOF: zero but for one bump; load the table of the kit again after it";
-    let instead =
-        Instead { notice: if proof.bump.is_slope { slope } else { bump }, ..Instead::of_kit() };
+    let notice = Some(if proof.bump.is_slope { slope } else { bump });
+    let of_kit = Emitted::of_kit(made.task(), &made.compiled);
+    let emitted = Emitted { tables: &proof.tables, notice, ..of_kit };
     let wanted = Some(proof.of.mechanism);
-    let emitted = Emitted {
-        task: made.task(),
-        compiled: &made.compiled,
-        tables: &proof.tables,
-        instead: &instead,
-    };
     emit::render_those(&made.templates, &emitted, |file| {
         file.role == Role::SignProof && file.mechanism == wanted
     })
 }
 
 fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
-    let files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
-    let read = read_apart(&made.inputs.profile, &files, Role::SignProof)?;
+    let read = read_apart(&made.inputs.profile, &as_read(files), Role::SignProof)?;
     match read.machine_data.iter().find(|file| !file.data.is_empty()) {
         Some(file) => Err(shows_otherwise(&format!("`{}` sets machine data", file.path))),
         None => Ok(read),
@@ -94,13 +88,10 @@ fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Probl
 }
 
 fn shows_otherwise(why: &str) -> Problems {
-    Problem::new(format!(
+    let words = format!(
         "the files of the sign proof do not do what was meant, so nothing is written: {why}"
-    ))
-    .help(
-        "a template of your own has to keep to the format of the dialect (docs/own-control.md §3)",
-    )
-    .into()
+    );
+    Problem::new(words).help(KEEP_TO_THE_FORMAT).into()
 }
 
 /// The same in both directions and on every physical axis, and nothing beside the bump.
@@ -147,106 +138,108 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
     let mut all = Listed::default();
     for shown in shown {
         let beside = shown.proof.of.beside.map(str::to_string);
-        all.items.extend([two_places(made, shown), expected(made, shown)]);
+        all.items.extend([shown.two_places(made), shown.expected(made)]);
         all.items.extend(beside);
         all.items.push(format!("seen: {BLANK} µm"));
         all.notes.extend([
-            bump(made, shown),
-            with_a_gauge(made, shown),
-            sign(made, shown),
-            other_way_round(shown),
+            shown.bump(made),
+            shown.with_a_gauge(made),
+            shown.sign(made),
+            shown.other_way_round(),
         ]);
     }
     all
 }
 
-/// Where the bump begins, is highest and ends, mm.
-fn places(shown: &Shown) -> [String; 3] {
-    shown.proof.bump.places().map(|place| trimmed(place.mm(), 6))
-}
-
-/// What is proved, and by which files.
-fn heading(shown: &Shown) -> String {
-    let files = joined(shown.paths.iter().map(|path| format!("`{path}`")));
-    format!("{}, {files}", shown.proof.of.name)
-}
-
-fn bump(made: &Made<'_>, shown: &Shown) -> String {
-    let (term, [from, peak, to]) = (shown.proof.term, places(shown));
-    let (heading, along) = (heading(shown), made.axes(term.along));
-    match shown.proof.bump.is_slope {
-        true => format!(
-            "{heading}: {term} is a straight line, zero at {along} = {from} mm and full at {peak} mm; everything else is zero"
-        ),
-        false => format!(
-            "{heading}: the table of {term} holds one bump, zero up to {along} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel"
-        ),
+impl Shown {
+    /// Where the bump begins, is highest and ends, mm.
+    fn places(&self) -> [String; 3] {
+        self.proof.bump.places().map(|place| trimmed(place.mm(), 6))
     }
-}
 
-fn two_places(made: &Made<'_>, shown: &Shown) -> String {
-    let (term, [from, peak, _]) = (shown.proof.term, places(shown));
-    let (moving, seen) = (made.axes(term.along), made.axes(term.of));
-    format!(
-        "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
-        heading(shown),
-        term.of
-    )
-}
+    /// What is proved, and by which files.
+    fn heading(&self) -> String {
+        let files = joined(self.paths.iter().map(|path| format!("`{path}`")));
+        format!("{}, {files}", self.proof.of.name)
+    }
 
-fn expected(made: &Made<'_>, shown: &Shown) -> String {
-    let [from, peak, to] = places(shown);
-    let behind = match shown.proof.bump.is_slope {
-        true => String::new(),
-        false => format!(" With {to} mm in place of {peak} mm: 0"),
-    };
-    format!(
-        "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
-        signed(shown.shown_um),
-        as_known(made, shown),
-        signed(-shown.shown_um),
-    )
-}
+    fn bump(&self, made: &Made<'_>) -> String {
+        let (term, [from, peak, to]) = (self.proof.term, self.places());
+        let (heading, along) = (self.heading(), made.axes(term.along));
+        match self.proof.bump.is_slope {
+            true => format!(
+                "{heading}: {term} is a straight line, zero at {along} = {from} mm and full at {peak} mm; everything else is zero"
+            ),
+            false => format!(
+                "{heading}: the table of {term} holds one bump, zero up to {along} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel"
+            ),
+        }
+    }
 
-/// A gauge that is not moved needs one place where nothing is found anew between off and on.
-fn with_a_gauge(made: &Made<'_>, shown: &Shown) -> String {
-    let (of, [from, peak, _]) = (shown.proof.term.of, places(shown));
-    match made.inputs.profile.family.restarts {
+    fn two_places(&self, made: &Made<'_>) -> String {
+        let (term, [from, peak, _]) = (self.proof.term, self.places());
+        let (moving, seen) = (made.axes(term.along), made.axes(term.of));
+        format!(
+            "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
+            self.heading(),
+            term.of
+        )
+    }
+
+    fn expected(&self, made: &Made<'_>) -> String {
+        let [from, peak, to] = self.places();
+        let behind = match self.proof.bump.is_slope {
+            true => String::new(),
+            false => format!(" With {to} mm in place of {peak} mm: 0"),
+        };
+        format!(
+            "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
+            signed(self.shown_um),
+            self.as_known(made),
+            signed(-self.shown_um),
+        )
+    }
+
+    /// A gauge that is not moved needs one place where nothing is found anew between off and on.
+    fn with_a_gauge(&self, made: &Made<'_>) -> String {
+        let (of, [from, peak, _]) = (self.proof.term.of, self.places());
+        match made.inputs.profile.family.restarts {
         false => format!(
             "a dial gauge that stays where it is needs {peak} mm only: zero with the compensation off, read with it on, coming from {from} mm both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
-            towards(shown.shown_um, of),
-            towards(-shown.shown_um, of),
+            towards(self.shown_um, of),
+            towards(-self.shown_um, of),
         ),
         true => "a dial gauge stays where it is between off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: off and on need not have a common zero".to_string(),
     }
-}
-
-/// What is known of the sign.
-fn known<'a>(made: &'a Made<'_>, shown: &Shown) -> impl Iterator<Item = &'a Statement> {
-    let fact = shown.proof.of.sign_fact;
-    made.inputs.profile.statements.iter().filter(move |s| s.fact == fact)
-}
-
-fn sign(made: &Made<'_>, shown: &Shown) -> String {
-    let known = known(made, shown);
-    let known =
-        known.map(|s| format!("`{}` = {}, {}: {}", s.fact, s.value, s.evidence.word(), s.source));
-    format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
-}
-
-fn as_known(made: &Made<'_>, shown: &Shown) -> &'static str {
-    match known(made, shown).next().map(|s| s.evidence) {
-        None | Some(Evidence::Assumed) => "as assumed",
-        Some(Evidence::Manual) => "as the manual says",
-        Some(Evidence::Executed) => "as seen on a control",
     }
-}
 
-fn other_way_round(shown: &Shown) -> String {
-    format!(
-        "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/own-control.md section 4) and generate again; nothing: see the preconditions, options and reference",
-        shown.proof.of.sign_fact
-    )
+    /// What is known of the sign.
+    fn known<'a>(&self, made: &'a Made<'_>) -> impl Iterator<Item = &'a Statement> + use<'a> {
+        let fact = self.proof.of.sign_fact;
+        made.inputs.profile.statements.iter().filter(move |s| s.fact == fact)
+    }
+
+    fn sign(&self, made: &Made<'_>) -> String {
+        let known = self.known(made);
+        let known = known
+            .map(|s| format!("`{}` = {}, {}: {}", s.fact, s.value, s.evidence.word(), s.source));
+        format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
+    }
+
+    fn as_known(&self, made: &Made<'_>) -> &'static str {
+        match self.known(made).next().map(|s| s.evidence) {
+            None | Some(Evidence::Assumed) => "as assumed",
+            Some(Evidence::Manual) => "as the manual says",
+            Some(Evidence::Executed) => "as seen on a control",
+        }
+    }
+
+    fn other_way_round(&self) -> String {
+        format!(
+            "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/own-control.md section 4) and generate again; nothing: see the preconditions, options and reference",
+            self.proof.of.sign_fact
+        )
+    }
 }
 
 /// `−20.0 µm`

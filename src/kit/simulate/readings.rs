@@ -42,19 +42,6 @@ type Passes = Vec<(Pass, Vec<f64>)>;
 /// Lines of the file beside its readings: some for each input and each note.
 const MOST_COMMENTS: usize = 1000;
 
-/// No file of readings is written that would be refused when it is read.
-fn check_rows(rehearsal: &Rehearsal, problems: &mut Problems) {
-    let nodes = rehearsal.measurement.volume.last_node(rehearsal.measurement.kind) + 1;
-    let runs = usize::try_from(rehearsal.runs).unwrap_or(usize::MAX);
-    let passes = Diagonal::ALL.len() * (1 + usize::from(rehearsal.both_directions));
-    let rows = nodes.saturating_mul(passes).saturating_mul(runs);
-    let most = MOST_LINES - MOST_COMMENTS;
-    if rows > most {
-        let message = format!("there would be {rows} readings, expected at most {most}");
-        problems.push(Problem::new(message).help("fewer runs, or fewer steps"));
-    }
-}
-
 /// Predicts the readings. Refused where an error is not measured, or not everywhere in the box.
 pub fn readings(
     machine: &SimulatedMachine<'_>,
@@ -62,108 +49,150 @@ pub fn readings(
     job: &Job,
 ) -> Result<Simulation, Problems> {
     let mut problems = Problems::none();
-    check_measured(machine, rehearsal, job, &mut problems);
-    check_rows(rehearsal, &mut problems);
+    rehearsal.check_measured(machine, job, &mut problems);
+    rehearsal.check_rows(&mut problems);
     problems.or_ok(())?;
     let mut exact = Vec::new();
     let mut runs = Vec::new();
     for (index, diagonal) in Diagonal::ALL.into_iter().enumerate() {
-        let Some(passes) = passes(machine, rehearsal, diagonal) else {
+        let Some(passes) = rehearsal.passes(machine, diagonal) else {
             continue; // every term was found to be measured
         };
-        exact.extend(as_runs(rehearsal, diagonal, 1, &passes));
-        runs.extend(noisy_runs(rehearsal, diagonal, index, &passes));
+        exact.extend(rehearsal.as_runs(diagonal, 1, &passes));
+        runs.extend(rehearsal.noisy_runs(diagonal, index, &passes));
     }
     let kind = rehearsal.measurement.kind;
     let (predicted, predicted_over_all_um) = figures(&exact, kind);
     let (read, read_over_all_um) = figures(&runs, kind);
     for run in &mut runs {
-        add_expansion(rehearsal, run);
+        rehearsal.add_expansion(run);
     }
     Ok(Simulation { runs, predicted, predicted_over_all_um, read, read_over_all_um })
 }
 
-fn passes(
-    machine: &SimulatedMachine<'_>,
-    rehearsal: &Rehearsal,
-    diagonal: Diagonal,
-) -> Option<Passes> {
-    let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
-    let laser = volume.laser(diagonal);
-    // u · E(q), not zeroed; first order: beam and mirror along the diagonal.
-    let along = |pass: &Pass| {
-        let um = |node| Some(laser.dot(error_at(machine, rehearsal, diagonal, *pass, node)?));
-        Some((*pass, (0..=volume.last_node(*kind)).map(um).collect::<Option<_>>()?))
-    };
-    let passes = &Pass::BOTH[..=usize::from(rehearsal.both_directions)];
-    let mut passes: Passes = passes.iter().map(along).collect::<Option<_>>()?;
-    let zero = *passes.first()?.1.first()?;
-    for (pass, readings) in &mut passes {
-        let angles = rehearsal.angles.as_ref().and_then(|angles| angles.of(diagonal, *pass));
-        let effect = |node: usize| angles.and_then(|of| of.get(node).copied()).unwrap_or(0.0);
-        let nodes = readings.iter_mut().enumerate();
-        nodes.for_each(|(node, um)| *um = *um - zero + effect(node));
-    }
-    Some(passes)
-}
-
-/// The error of the tool at a node, µm, each term in the direction in which its axis arrived.
-fn error_at(
-    machine: &SimulatedMachine<'_>,
-    rehearsal: &Rehearsal,
-    diagonal: Diagonal,
-    pass: Pass,
-    node: usize,
-) -> Option<PerAxis<f64>> {
-    let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
-    let place = volume.place(diagonal, *kind, node);
-    let mut error = PerAxis::default();
-    for term in ErrorTerm::ALL {
-        let direction = rehearsal.arrived(diagonal, pass, node, term.along);
-        error[term.of] += machine.left_um(term, direction, place[term.along])?;
-    }
-    Some(error)
-}
-
-fn as_runs(
-    rehearsal: &Rehearsal,
-    diagonal: Diagonal,
-    number: u32,
-    passes: &Passes,
-) -> impl Iterator<Item = Run> {
-    let recorded = rehearsal.recorded();
-    passes.iter().map(move |(pass, readings)| Run {
-        diagonal,
-        number,
-        pass: *pass,
-        deviations: readings.iter().copied().map(Deviation::from_um).collect(),
-        temperatures_c: PerAxis::from_fn(|axis| {
-            recorded[axis].then(|| vec![REFERENCE_C; readings.len()])
-        }),
-    })
-}
-
-/// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the return pass
-/// change nothing of the others. The instrument is zeroed once, at the start of the first run.
-fn noisy_runs(
-    rehearsal: &Rehearsal,
-    diagonal: Diagonal,
-    index: usize,
-    passes: &Passes,
-) -> Vec<Run> {
-    let mut runs = Vec::new();
-    let mut zero_um = None;
-    for number in 1..=rehearsal.runs {
-        let stream = u64::from(number - 1) * Diagonal::ALL.len() as u64 + index as u64;
-        let mut off_um = rehearsal.noise.draws(stream);
-        let mut noisy = passes.clone();
-        for um in noisy.iter_mut().flat_map(|(_, readings)| readings) {
-            let off = off_um();
-            *um = *um + off - *zero_um.get_or_insert(off);
+impl Rehearsal {
+    /// No file of readings is written that would be refused when it is read.
+    fn check_rows(&self, problems: &mut Problems) {
+        let nodes = self.measurement.volume.last_node(self.measurement.kind) + 1;
+        let runs = usize::try_from(self.runs).unwrap_or(usize::MAX);
+        let passes = Diagonal::ALL.len() * (1 + usize::from(self.both_directions));
+        let rows = nodes.saturating_mul(passes).saturating_mul(runs);
+        let most = MOST_LINES - MOST_COMMENTS;
+        if rows > most {
+            let message = format!("there would be {rows} readings, expected at most {most}");
+            problems.push(Problem::new(message).help("fewer runs, or fewer steps"));
         }
-        runs.extend(as_runs(rehearsal, diagonal, number, &noisy));
     }
-    runs
+
+    fn passes(&self, machine: &SimulatedMachine<'_>, diagonal: Diagonal) -> Option<Passes> {
+        let DiagonalMeasurement { volume, kind, .. } = &self.measurement;
+        let laser = volume.laser(diagonal);
+        // u · E(q), not zeroed; first order: beam and mirror along the diagonal.
+        let along = |pass: &Pass| {
+            let um = |node| Some(laser.dot(self.error_at(machine, diagonal, *pass, node)?));
+            Some((*pass, (0..=volume.last_node(*kind)).map(um).collect::<Option<_>>()?))
+        };
+        let passes = &Pass::BOTH[..=usize::from(self.both_directions)];
+        let mut passes: Passes = passes.iter().map(along).collect::<Option<_>>()?;
+        let zero = *passes.first()?.1.first()?;
+        for (pass, readings) in &mut passes {
+            let angles = self.angles.as_ref().and_then(|angles| angles.of(diagonal, *pass));
+            let effect = |node: usize| angles.and_then(|of| of.get(node).copied()).unwrap_or(0.0);
+            let nodes = readings.iter_mut().enumerate();
+            nodes.for_each(|(node, um)| *um = *um - zero + effect(node));
+        }
+        Some(passes)
+    }
+
+    /// The error of the tool at a node, µm, each term in the direction in which its axis arrived.
+    fn error_at(
+        &self,
+        machine: &SimulatedMachine<'_>,
+        diagonal: Diagonal,
+        pass: Pass,
+        node: usize,
+    ) -> Option<PerAxis<f64>> {
+        let DiagonalMeasurement { volume, kind, .. } = &self.measurement;
+        let place = volume.place(diagonal, *kind, node);
+        let mut error = PerAxis::default();
+        for term in ErrorTerm::ALL {
+            let direction = self.arrived(diagonal, pass, node, term.along);
+            error[term.of] += machine.left_um(term, direction, place[term.along])?;
+        }
+        Some(error)
+    }
+
+    fn as_runs(
+        &self,
+        diagonal: Diagonal,
+        number: u32,
+        passes: &Passes,
+    ) -> impl Iterator<Item = Run> {
+        let recorded = self.recorded();
+        passes.iter().map(move |(pass, readings)| Run {
+            diagonal,
+            number,
+            pass: *pass,
+            deviations: readings.iter().copied().map(Deviation::from_um).collect(),
+            temperatures_c: PerAxis::from_fn(|axis| {
+                recorded[axis].then(|| vec![REFERENCE_C; readings.len()])
+            }),
+        })
+    }
+
+    /// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the return pass
+    /// change nothing of the others. The instrument is zeroed once, at the start of the first run.
+    fn noisy_runs(&self, diagonal: Diagonal, index: usize, passes: &Passes) -> Vec<Run> {
+        let mut runs = Vec::new();
+        let mut zero_um = None;
+        for number in 1..=self.runs {
+            let stream = u64::from(number - 1) * Diagonal::ALL.len() as u64 + index as u64;
+            let mut off_um = self.noise.draws(stream);
+            let mut noisy = passes.clone();
+            for um in noisy.iter_mut().flat_map(|(_, readings)| readings) {
+                let off = off_um();
+                *um = *um + off - *zero_um.get_or_insert(off);
+            }
+            runs.extend(self.as_runs(diagonal, number, &noisy));
+        }
+        runs
+    }
+
+    /// Adds the expansion that the job takes off again, and rounds to the digits of a file.
+    fn add_expansion(&self, run: &mut Run) {
+        let DiagonalMeasurement { volume, kind, .. } = &self.measurement;
+        let material = self.material();
+        let expansion = |node: usize| {
+            material.map_or(0.0, |material| expansion_um(volume, *kind, &material, run, node))
+        };
+        let nodes = run.deviations.iter().enumerate();
+        let read = nodes.map(|(node, um)| Deviation::from_um(written(um.um() + expansion(node))));
+        run.deviations = read.collect();
+    }
+
+    /// Notes errors that are not measured, or not in a direction in which a pass moves, or not all over the
+    /// box: nothing is extrapolated.
+    fn check_measured(&self, machine: &SimulatedMachine<'_>, job: &Job, problems: &mut Problems) {
+        let key = match job.measurement.data {
+            MeasuredData::Errors(_) => "measurement.errors",
+            MeasuredData::Diagonals(_) => "measurement.readings",
+        };
+        for words in not_known(machine.model, |_, _| true) {
+            let problem = job.problem_at(key, words);
+            problems
+                .push(problem.help("measure them, or predict what was measured with `--errors`"));
+        }
+        let key = match (&job.measurement.data, &job.program) {
+            (MeasuredData::Errors(_), Some(program)) => program.size_path,
+            _ => "measurement.step_diagonal.size_mm",
+        };
+        for words in outside(machine.model, &self.measurement.volume) {
+            let problem = job.problem_at(key, words);
+            problems.push(
+                problem.help("keep the box inside the measured range: nothing is extrapolated"),
+            );
+        }
+    }
 }
 
 impl Noise {
@@ -175,45 +204,6 @@ impl Noise {
             let draw: f64 = StandardNormal.sample(&mut random);
             self.um * draw
         }
-    }
-}
-
-/// Adds the expansion that the job takes off again, and rounds to the digits of a file.
-fn add_expansion(rehearsal: &Rehearsal, run: &mut Run) {
-    let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
-    let material = rehearsal.material();
-    let expansion = |node: usize| {
-        material.map_or(0.0, |material| expansion_um(volume, *kind, &material, run, node))
-    };
-    let nodes = run.deviations.iter().enumerate();
-    let read = nodes.map(|(node, um)| Deviation::from_um(written(um.um() + expansion(node))));
-    run.deviations = read.collect();
-}
-
-/// Notes errors that are not measured, or not in a direction in which a pass moves, or not all over the
-/// box: nothing is extrapolated.
-fn check_measured(
-    machine: &SimulatedMachine<'_>,
-    rehearsal: &Rehearsal,
-    job: &Job,
-    problems: &mut Problems,
-) {
-    let key = match job.measurement.data {
-        MeasuredData::Errors(_) => "measurement.errors",
-        MeasuredData::Diagonals(_) => "measurement.readings",
-    };
-    for words in not_known(machine.model, |_, _| true) {
-        let problem = job.problem_at(key, words);
-        problems.push(problem.help("measure them, or predict what was measured with `--errors`"));
-    }
-    let key = match (&job.measurement.data, &job.program) {
-        (MeasuredData::Errors(_), Some(program)) => program.size_path,
-        _ => "measurement.step_diagonal.size_mm",
-    };
-    for words in outside(machine.model, &rehearsal.measurement.volume) {
-        let problem = job.problem_at(key, words);
-        problems
-            .push(problem.help("keep the box inside the measured range: nothing is extrapolated"));
     }
 }
 
@@ -229,69 +219,68 @@ pub fn single_axes(
     let noise = Noise { um: noise.um / f64::from(runs).sqrt(), ..noise };
     let more = noise.um.squared() - stated_um.unwrap_or(0.0).squared();
     let column_um = more.max(0.0).sqrt();
-    let of = |axis| directions(machine, axis).into_iter().map(move |way| (axis, way));
+    let of = |axis| machine.directions(axis).into_iter().map(move |way| (axis, way));
     let series = (0..).zip(Axis::ALL.into_iter().flat_map(of));
-    let series = series
-        .map(|(stream, of)| one_series(machine, of, noise.draws(stream), column_um))
-        .collect();
-    Draft { comments, series }
+    let one = |(stream, of)| machine.series(of, noise.draws(stream), column_um);
+    Draft { comments, series: series.map(one).collect() }
 }
 
-/// The directions that an axis has rows for; `None` = both alike.
-fn directions(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<Option<Direction>> {
-    let terms = machine.model.measured();
-    let mut measured = terms.filter(|(term, _)| term.along == axis).peekable();
-    if measured.peek().is_none() || machine.model.ranges[axis].is_none() {
-        return Vec::new();
+impl SimulatedMachine<'_> {
+    /// The directions that an axis has rows for; `None` = both alike.
+    fn directions(&self, axis: Axis) -> Vec<Option<Direction>> {
+        let mut measured = self.model.measured_along(axis).peekable();
+        if measured.peek().is_none() || self.model.ranges[axis].is_none() {
+            return Vec::new();
+        }
+        let one_way = measured.find_map(|(_, term)| match term.measured {
+            Measured::OneWay(direction, _) => Some(direction),
+            _ => None,
+        });
+        match one_way {
+            Some(direction) => vec![Some(direction)],
+            None if self.is_directed(axis) => Direction::BOTH.map(Some).into(),
+            None => vec![None],
+        }
     }
-    let one_way = measured.find_map(|(_, term)| match term.measured {
-        Measured::OneWay(direction, _) => Some(direction),
-        _ => None,
-    });
-    match one_way {
-        Some(direction) => vec![Some(direction)],
-        None if machine.is_directed(axis) => Direction::BOTH.map(Some).into(),
-        None => vec![None],
-    }
-}
 
-/// What one series shows with its noise; `column_um` = what the columns state of that.
-fn one_series(
-    machine: &SimulatedMachine<'_>,
-    (axis, direction): (Axis, Option<Direction>),
-    mut off_um: impl FnMut() -> f64,
-    column_um: f64,
-) -> Series {
-    let positions = positions(machine, axis);
-    let moving = direction.unwrap_or(Direction::Plus);
-    let mut series = Series::new(axis, direction, positions.clone());
-    series.deviations = PerAxis::from_fn(|of| {
-        let term = ErrorTerm { of, along: axis };
-        let at = |position: &Millimetres| machine.left_um(term, moving, *position);
-        let left: Option<Vec<f64>> = positions.iter().map(at).collect();
-        Some(left?.into_iter().map(|um| Deviation::from_um(written(um + off_um()))).collect())
-    });
-    if column_um > 0.0 {
-        let stated = |known: &Vec<Deviation>| vec![column_um; known.len()];
-        series.uncertainties_um = PerAxis::from_fn(|of| series.deviations[of].as_ref().map(stated));
+    /// What one series shows with its noise; `column_um` = what the columns state of that.
+    fn series(
+        &self,
+        (axis, direction): (Axis, Option<Direction>),
+        mut off_um: impl FnMut() -> f64,
+        column_um: f64,
+    ) -> Series {
+        let positions = self.positions(axis);
+        let moving = direction.unwrap_or(Direction::Plus);
+        let mut series = Series::new(axis, direction, positions.clone());
+        series.deviations = PerAxis::from_fn(|of| {
+            let term = ErrorTerm { of, along: axis };
+            let at = |position: &Millimetres| self.left_um(term, moving, *position);
+            let left: Option<Vec<f64>> = positions.iter().map(at).collect();
+            Some(left?.into_iter().map(|um| Deviation::from_um(written(um + off_um()))).collect())
+        });
+        if column_um > 0.0 {
+            let stated = |known: &Vec<Deviation>| vec![column_um; known.len()];
+            series.uncertainties_um =
+                PerAxis::from_fn(|of| series.deviations[of].as_ref().map(stated));
+        }
+        series
     }
-    series
-}
 
-/// Positions at which any error of an axis was measured, inside the range of all of them.
-fn positions(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<Millimetres> {
-    let Some((low, high)) = machine.model.ranges[axis] else {
-        return Vec::new();
-    };
-    let terms = machine.model.measured();
-    let mut positions: Vec<Millimetres> = terms
-        .filter(|(term, _)| term.along == axis)
-        .flat_map(|(_, measured)| measured.curves().flat_map(|curve| curve.knots().to_vec()))
-        .filter(|knot| (low.mm()..=high.mm()).contains(&knot.mm()))
-        .collect();
-    positions.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
-    positions.dedup_by(|a, b| (a.mm() - b.mm()).abs() < SAME_PLACE_MM);
-    positions
+    /// Positions at which any error of an axis was measured, inside the range of all of them.
+    fn positions(&self, axis: Axis) -> Vec<Millimetres> {
+        let Some((low, high)) = self.model.ranges[axis] else {
+            return Vec::new();
+        };
+        let terms = self.model.measured_along(axis);
+        let mut positions: Vec<Millimetres> = terms
+            .flat_map(|(_, measured)| measured.curves().flat_map(|curve| curve.knots().to_vec()))
+            .filter(|knot| (low.mm()..=high.mm()).contains(&knot.mm()))
+            .collect();
+        positions.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
+        positions.dedup_by(|a, b| (a.mm() - b.mm()).abs() < SAME_PLACE_MM);
+        positions
+    }
 }
 
 /// Where a simulation comes from, for the comments of its file.

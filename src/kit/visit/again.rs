@@ -1,8 +1,8 @@
 //! A visit after an earlier one: its job and its tables once more, without what belonged to that day.
 
-use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, after_job, error_table, quoted};
+use super::{Begun, COMMENTS, error_table, quoted, table_name};
 use crate::inputs::error_table::{ErrorTable, Series};
-use crate::inputs::job::{ActiveTables, Job, LinearSlope, MeasuredData, UseOf};
+use crate::inputs::job::{ActiveTables, Job, Linear, LinearSlope, UseOf};
 use crate::quantity::{Axis, Plane};
 use crate::text::{Problem, Problems, Source, header_and_rows, line};
 use std::ops::Range;
@@ -36,21 +36,17 @@ pub enum Measured {
 impl Earlier<'_> {
     /// The new visit; `rebased` = a path of the job as the new one names it.
     pub fn again(&self, rebased: impl Fn(&str) -> String) -> Result<Begun, Problems> {
-        let (readings, name, table) = match &self.measured {
-            Measured::Errors(table) => (false, "errors.csv", positions(table)),
-            Measured::Readings(source) => (true, "readings.csv", emptied(source)),
+        let table = match &self.measured {
+            Measured::Errors(table) => (false, positions(table)),
+            Measured::Readings(source) => (true, emptied(source)),
         };
-        let again = format!("{AGAIN}{table}");
-        let mut tables = vec![(name.to_string(), table), (AFTER.to_string(), again)];
-        let mut steps = None;
-        if let MeasuredData::Diagonals(how) = &self.job.measurement.data {
-            let axes: Vec<&str> = how.linear.iter().map(|linear| linear.axis.key()).collect();
-            tables.push((AFTER_JOB.to_string(), after_job(&axes)?));
-            steps = u32::try_from(how.volume.steps).ok();
-        }
-        let programs = readings && self.job.program.is_some();
-        let job = self.page(name, rebased)?;
-        Ok(Begun { job, tables, measured: name, readings, programs, steps })
+        let how = self.job.measurement.diagonals();
+        let key = |linear: &Linear| linear.axis.key();
+        let linear: Option<Vec<&str>> = how.map(|how| how.linear.iter().map(key).collect());
+        let steps = how.and_then(|how| u32::try_from(how.volume.steps).ok());
+        let programs = table.0 && self.job.program.is_some();
+        let job = self.page(table_name(table.0), rebased)?;
+        Ok(Begun::of(job, table, linear.as_deref(), programs, steps)?)
     }
 
     /// The job, with its comments.
@@ -112,7 +108,7 @@ impl Earlier<'_> {
     /// Slopes and temperatures of the earlier run.
     fn empty_run(&self, page: &mut Page<'_>) {
         const RUN: &str = "measurement.step_diagonal";
-        let MeasuredData::Diagonals(how) = &self.job.measurement.data else {
+        let Some(how) = self.job.measurement.diagonals() else {
             return;
         };
         for (index, linear) in how.linear.iter().enumerate() {

@@ -257,10 +257,7 @@ impl<'a> Design<'a> {
 
 /// The run of `[program]` where it walks step diagonals, else that of the measurement; how it is measured.
 fn described(job: &Job) -> Option<(ProgramRequest, DiagonalMeasurement)> {
-    let measured = match &job.measurement.data {
-        MeasuredData::Diagonals(how) if how.kind == PathKind::Step => Some(how),
-        _ => None,
-    };
+    let measured = job.measurement.diagonals().filter(|how| how.kind == PathKind::Step);
     let is_step = |run: &&ProgramRequest| run.what == RunType::StepDiagonal;
     let program = job.program.as_ref().filter(is_step).cloned();
     let run = program.or_else(|| measured.map(ProgramRequest::of_measurement))?;

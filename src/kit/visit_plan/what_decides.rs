@@ -3,8 +3,8 @@
 
 use super::design::Design;
 use super::variant::{DIGITS, Share, Visit, listed, value_um};
-use super::{MOST_RUNS, cheapest, fewest_runs, together};
-use crate::inputs::job::{Job, MeasuredData};
+use super::{MOST_RUNS, together};
+use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
@@ -117,14 +117,14 @@ impl Judged<'_> {
         let act = |visit: &Visit, remade: bool| self.act(&described, visit, missed, remade);
         let decides = |visit: &Visit, remade: bool| act(visit, remade).is_some_and(|a| a.passes());
         let cheapest = |remade: bool| {
-            let found = cheapest(&design, &all, |visit| decides(visit, remade))?;
+            let found = design.cheapest(&all, |visit| decides(visit, remade))?;
             act(&found, remade)
         };
         let mut acts = Vec::new();
         if missed.verdict == Verdict::Undecided {
             let visit = |variant| design.visit(variant).ok();
             let (own, most) = (&described.variant, described.variant.in_runs(MOST_RUNS));
-            let runs = fewest_runs(&design, own, |visit| decides(visit, false));
+            let runs = design.in_fewest_runs(own, |visit| decides(visit, false));
             let added = additions.iter().cloned().filter_map(visit);
             let visits = added.chain(runs.or_else(|| visit(most)));
             acts.extend(visits.filter_map(|visit| act(&visit, false)));
@@ -147,8 +147,9 @@ impl Judged<'_> {
         let from_zero = (point.at - self.job.machine.axes[term.along]?.reference).mm();
         let um_per_m = if term.is_positioning() { self.model.laser_um_per_m } else { 0.0 };
         let laser = (um_per_m * from_zero / 1000.0).squared();
-        let is_table = matches!(self.job.measurement.data, MeasuredData::Errors(_));
-        let noise_um = self.job.measurement.uncertainty.noise_um.filter(|_| is_table);
+        let measurement = &self.job.measurement;
+        let noise_um =
+            measurement.uncertainty.noise_um.filter(|_| measurement.diagonals().is_none());
         let noise = 2.0 * noise_um.unwrap_or(0.0).squared();
         let stated = (point.u_um.squared() - noise - laser).max(0.0);
         let parts = vec![(Part::Noise, noise), (Part::Laser, laser), (Part::Stated, stated)];

@@ -7,21 +7,16 @@ use crate::text::{Problem, Problems, shown, words};
 use crate::write::control_text::{
     COMMENT_TEXT, Seen, ascii, fixed, is_comment_text, seen, trimmed,
 };
-use crate::write::emit::{TOOL, Templates, bytes_of};
+use crate::write::emit::{
+    RenderedFile, TOOL, Templates, bytes_of, comment_texts, engine_context, refused_texts,
+};
+use crate::write::grid::LengthDigit;
 use crate::write::program::{
-    Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,
+    Digits, MeasuringRun, Move, PlannedReading, RunTask, SetUpProgram, Subject,
 };
 
-/// A file of a measuring run, ready to be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ProgramFile {
-    /// Its name.
-    pub path: String,
-    /// What it is for.
-    pub role: FileRole,
-    /// Its bytes.
-    pub bytes: Vec<u8>,
-}
+/// A file of a measuring run.
+pub type ProgramFile = RenderedFile<FileRole>;
 
 words! {
     /// What a file of a measuring run is for.
@@ -47,25 +42,20 @@ pub fn programs(task: RunTask<'_>, run: &MeasuringRun) -> Result<Vec<ProgramFile
     let mut problems = Problems::none();
     let mut files = Vec::new();
     for (index, program) in run.programs.iter().enumerate() {
-        let number = task.request.number_of(index);
-        let context = context(task, program, run.resolution, number);
-        files.extend(problems.take(render(task, &templates, &context, number, program)));
+        files.extend(problems.take(render(
+            task,
+            &templates,
+            task.request.number_of(index),
+            program,
+        )));
     }
     problems.or_ok(files)
 }
 
 fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
     let RunTask { job, profile, facts, .. } = task;
-    let mut problems = Problems::none();
-    let serial = job.machine.serial.as_deref().unwrap_or_default();
-    for (path, text) in [("machine.name", job.machine.name.as_str()), ("machine.serial", serial)] {
-        if !is_comment_text(&ascii(text)) {
-            let message =
-                format!("`{path}` goes into comments of the programs, expected {COMMENT_TEXT}");
-            problems
-                .push(job.problem_at(path, message).help("write it in plain letters and digits"));
-        }
-    }
+    let texts = comment_texts(job).filter(|(key, _)| key.starts_with("machine."));
+    let mut problems = refused_texts(job, texts, "the programs");
     let profile_name = ascii(&profile.name).into_owned();
     let of_profile = facts.cancel.value.iter().chain([
         &facts.machine_position.value,
@@ -81,15 +71,13 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
 }
 
 /// What the template of a program sees: names with finished texts.
-fn context(task: RunTask<'_>, program: &SetUpProgram, resolution: Resolution, number: u32) -> Seen {
+fn context(task: RunTask<'_>, program: &SetUpProgram, number: u32) -> Seen {
     let RunTask { request, facts, .. } = task;
-    let unit = resolution.unit;
-    let letters = &facts.axis_letters.value;
+    let unit = task.resolution().unit;
     let name = program.subject.name();
-    let start = program.places().first().copied();
-    let start = start.unwrap_or(PerAxis::from_fn(|_| 0));
-    let [plane, height] = approach(letters, &start, resolution);
-    let tool_axis = letters.get(2).map_or("", String::as_str);
+    let start = program.places().first().copied().unwrap_or_default();
+    let [plane, height] = approach(task, &start);
+    let tool_axis = facts.axis_letters.value.get(2).map_or("", String::as_str);
     seen! {
         "name": format!("NONIUS {name}"),
         "number": format!("{number:04}"),
@@ -102,7 +90,7 @@ fn context(task: RunTask<'_>, program: &SetUpProgram, resolution: Resolution, nu
         "dwell_s": decimal(request.dwell_s),
         "unit_word": facts.language.facts().unit_word(unit),
         "feed": decimal(request.feed_mm_per_min / unit.in_mm()),
-        "blocks": blocks(program, letters, resolution),
+        "blocks": blocks(task, program),
     }
 }
 
@@ -137,15 +125,15 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<S
     lines.map(|line| line.to_uppercase()).to_vec()
 }
 
-fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Seen> {
+fn blocks(task: RunTask<'_>, program: &SetUpProgram) -> Vec<Seen> {
     let block = |step: &Move| match step {
         Move::Stop(text) => vec![seen! { "kind": "stop", "text": text.as_str() }],
         Move::Remark(text) => vec![seen! { "kind": "comment", "text": text.as_str() }],
-        Move::Approach(place) => approach(letters, place, resolution)
-            .map(|words| seen! { "kind": "approach", "words": words })
-            .to_vec(),
+        Move::Approach(place) => {
+            approach(task, place).map(|words| seen! { "kind": "approach", "words": words }).to_vec()
+        }
         Move::Feed(by) => {
-            let words = words(letters, by, resolution, |axis| by[axis] != 0);
+            let words = words(task, by, |axis| by[axis] != 0);
             vec![seen! { "kind": "feed", "words": words }]
         }
         Move::Dwell(reading) => {
@@ -156,27 +144,21 @@ fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) ->
 }
 
 /// The first place in two blocks: X and Y at the height where the operator left Z, then Z alone.
-fn approach(letters: &[String], place: &PerAxis<Digits>, resolution: Resolution) -> [String; 2] {
-    [false, true].map(|last| words(letters, place, resolution, |axis| (axis == Axis::Z) == last))
+fn approach(task: RunTask<'_>, place: &PerAxis<Digits>) -> [String; 2] {
+    [false, true].map(|last| words(task, place, |axis| (axis == Axis::Z) == last))
 }
 
 /// ` X1.000 Y-2.000` of the axes that are wanted.
-fn words(
-    letters: &[String],
-    of: &PerAxis<Digits>,
-    resolution: Resolution,
-    wanted: impl Fn(Axis) -> bool,
-) -> String {
+fn words(task: RunTask<'_>, of: &PerAxis<Digits>, wanted: impl Fn(Axis) -> bool) -> String {
     let word = |(axis, letter): (Axis, &String)| {
-        wanted(axis).then(|| format!(" {letter}{}", resolution.text(of[axis])))
+        wanted(axis).then(|| format!(" {letter}{}", task.resolution().text(of[axis])))
     };
-    Axis::ALL.into_iter().zip(letters).filter_map(word).collect()
+    Axis::ALL.into_iter().zip(&task.facts.axis_letters.value).filter_map(word).collect()
 }
 
 fn render(
     task: RunTask<'_>,
     templates: &Templates,
-    context: &Seen,
     number: u32,
     program: &SetUpProgram,
 ) -> Result<ProgramFile, Problems> {
@@ -185,9 +167,7 @@ fn render(
         None => format!("NONIUS_{}", program.subject.name()),
         Some(_) => format!("O{number:04}"),
     };
-    let seen = tera::Context::from_serialize(context).map_err(|error| {
-        Problem::new(format!("the context of the program cannot be made: {error}"))
-    })?;
+    let seen = engine_context(&context(task, program, number));
     let text = templates.text(&facts.template, &seen)?;
     let path = format!("{stem}.{}", facts.extension);
     let bytes = bytes_of(&path, &text, profile)?;
@@ -265,7 +245,7 @@ fn is_stepped(program: &SetUpProgram) -> bool {
     program.readings.iter().any(|r| r.moved.is_some())
 }
 
-fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: Resolution) -> String {
+fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: LengthDigit) -> String {
     let PlannedReading { run, node, pass, .. } = reading;
     match program.subject {
         Subject::Axis(axis) => {

@@ -57,9 +57,7 @@ impl Templates {
         template: &Template,
         document: &serde_json::Value,
     ) -> Result<String, Problem> {
-        let context = tera::Context::from_serialize(document)
-            .map_err(|error| Problem::new(format!("the page cannot be made: {error}")))?;
-        self.text(template, &context)
+        self.text(template, &tera::Context::from_serialize(document).map_err(no_context)?)
     }
 
     fn parsed(&self, template: &Template) -> Result<Arc<Parsed>, Problem> {
@@ -95,7 +93,7 @@ impl Templates {
                 format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
             return Err(too_much(name, &what));
         }
-        let mut text = Bounded { bytes: Vec::new(), most: MOST_BYTES, is_full: false };
+        let mut text = Bounded::default();
         let rendered = parsed.alone.render_to(&parsed.name, context, &mut text);
         if text.is_full {
             return Err(too_much(name, &format!("writes more than {LARGEST_FILE_MIB} MiB")));
@@ -106,16 +104,20 @@ impl Templates {
     }
 }
 
-/// A text that does not grow beyond a limit.
+pub(super) fn no_context(error: impl std::fmt::Display) -> Problem {
+    Problem::new(format!("the context of the templates cannot be made: {error}"))
+}
+
+/// A text that does not grow beyond the limit of a file.
+#[derive(Default)]
 struct Bounded {
     bytes: Vec<u8>,
-    most: u64,
     is_full: bool,
 }
 
 impl Write for Bounded {
     fn write(&mut self, bytes: &[u8]) -> Written<usize> {
-        if (self.bytes.len() + bytes.len()) as u64 > self.most {
+        if (self.bytes.len() + bytes.len()) as u64 > MOST_BYTES {
             self.is_full = true;
             return Err(Error::other("too long"));
         }
@@ -134,9 +136,9 @@ fn too_much(name: &str, what: &str) -> Problem {
 }
 
 /// A problem of a template that says more than a layout.
-fn no_layout(name: &str, template: &str, wrong: Wrong) -> Problem {
-    let place = Place::in_text(name, template, wrong.span.start, wrong.span.end);
-    Problem::new(format!("template `{name}` is refused: {}", wrong.message))
+fn no_layout(name: &str, template: &str, (span, message): Wrong) -> Problem {
+    let place = Place::in_text(name, template, span.start, span.end);
+    Problem::new(format!("template `{name}` is refused: {message}"))
         .at(place)
         .help("a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/own-control.md §3)")
 }
@@ -159,12 +161,10 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
         }
         _ => (error.to_string(), None),
     };
-    let problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
+    let mut problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
         .help("`nonius context JOB` prints what a template sees");
-    match place {
-        Some(place) => problem.at(place),
-        None => problem,
-    }
+    problem.place = place;
+    problem
 }
 
 // What a template may say, and how much work it is, before it is rendered.
@@ -192,18 +192,12 @@ static PATTERNS: LazyLock<[Regex; 2]> = LazyLock::new(|| {
     .map(|pattern| Regex::new(&pattern).expect("it is a pattern"))
 });
 
-/// Where a template says more than a layout.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Wrong {
-    /// Bytes of the template.
-    pub(super) span: Range<usize>,
-    /// What was found and what was expected.
-    pub(super) message: String,
-}
+/// Where a template says more than a layout, bytes of it; what was found and what was expected.
+type Wrong = (Range<usize>, String);
 
 /// Of each tag of a template the loops around it, each with the first and the last name of its list.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Layout {
+#[derive(Default)]
+struct Layout {
     tags: Vec<Vec<(String, String)>>,
 }
 
@@ -212,7 +206,7 @@ type Placed<'a> = (&'a str, Range<usize>);
 
 impl Layout {
     /// The layout of a template that the engine has parsed.
-    pub(super) fn of(template: &str) -> Result<Layout, Wrong> {
+    fn of(template: &str) -> Result<Layout, Wrong> {
         let mut layout = Layout::default();
         let mut open: Vec<Option<(String, String)>> = Vec::new(); // `None` is a choice
         let [tag, word] = &*PATTERNS;
@@ -244,7 +238,7 @@ impl Layout {
 
     /// Tags that rendering executes, at most: all branches count, and each list is as long as the longest of
     /// its name, or of all where none has its name.
-    pub(super) fn work(&self, context: &tera::Context) -> u64 {
+    fn work(&self, context: &tera::Context) -> u64 {
         let loops = self.tags.iter().flatten();
         let roots: BTreeSet<&str> = loops.clone().map(|(root, _)| root.as_str()).collect();
         let measured = |longest: &mut [(&str, Option<u64>)]| {
@@ -328,7 +322,7 @@ fn list_of(words: &[Placed<'_>]) -> Result<(String, String), Wrong> {
 }
 
 fn wrong(span: &Range<usize>, found: &str) -> Wrong {
-    Wrong { span: span.clone(), message: format!("{found} is more than a layout needs") }
+    (span.clone(), format!("{found} is more than a layout needs"))
 }
 
 #[cfg(test)]

@@ -84,16 +84,10 @@ pub fn best_fit(wanted: &[f64], reference: usize, amount_max: u32) -> Option<Fou
     if wanted.len() < 2 || at_reference.abs() > 0.0 || !wanted.iter().all(usable) {
         return None;
     }
-    let left = Side {
-        wanted: wanted[..=reference].iter().rev().copied().collect(),
-        amount_max: i64::from(amount_max),
-        is_mirrored: true,
-    };
-    let right = Side {
-        wanted: wanted[reference..].to_vec(),
-        amount_max: i64::from(amount_max),
-        is_mirrored: false,
-    };
+    let amount_max = i64::from(amount_max);
+    let outwards = wanted[..=reference].iter().rev().copied().collect();
+    let left = Side { wanted: outwards, amount_max, is_mirrored: true };
+    let right = Side { wanted: wanted[reference..].to_vec(), amount_max, is_mirrored: false };
     let divided = |pieces: usize| (0..=pieces).rev().map(move |left| (left, pieces - left));
     let mut best: Option<FourPoint> = None;
     for (on_left, on_right) in [3, 2, 1].into_iter().flat_map(divided) {

@@ -2,9 +2,9 @@
 
 use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::quantity::Axis;
-use crate::text::{Problem, Problems};
+use crate::text::{Problem, Problems, joined};
 use crate::write::grid::Grid;
-use crate::write::task::{Plan, Task};
+use crate::write::task::{Plan, Task, axis_key};
 
 /// The pitch points of one physical axis.
 pub(super) struct Run {
@@ -25,11 +25,6 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// Point number of the reference (3620).
-    pub(super) fn reference_point(&self) -> u32 {
-        self.point(0)
-    }
-
     /// Last point number (3622).
     pub(super) fn last(&self) -> u32 {
         self.first + self.count - 1
@@ -109,21 +104,24 @@ pub(super) fn runs(
     let mut runs = needed(plan, facts);
     let blocks = &facts.pitch_points.value;
     let stated = |run: &Run| {
-        let settings = task.job.compensation.axes[run.axis].as_ref();
-        let first_axis = plan.names[run.axis].first();
-        settings
-            .and_then(|s| s.first_point)
-            .filter(|_| first_axis.is_some_and(|name| *name == run.id.to_string()))
+        let first_axis = plan.names[run.axis].first()?;
+        let first_point = task.settings(run.axis)?.first_point;
+        first_point.filter(|_| *first_axis == run.id.to_string())
     };
     for run in &mut runs {
         let Some(first) = stated(run) else { continue };
         match space.take_at(blocks, first, run.count) {
             Some(first) => run.first = first,
-            None => problems.push(
-                task.job
-                    .problem_at(&format!("compensation.axes.{}.first_point", run.axis.key()), format!("points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}", first.saturating_add(run.count - 1), run.axis, blocks_text(blocks)))
-                    .help("choose another `first_point`, or leave it out"),
-            ),
+            None => {
+                let words = format!(
+                    "points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}",
+                    first.saturating_add(run.count - 1),
+                    run.axis,
+                    blocks_text(blocks)
+                );
+                let problem = task.job.problem_at(&axis_key(run.axis, ".first_point"), words);
+                problems.push(problem.help("choose another `first_point`, or leave it out"));
+            }
         }
     }
     for run in runs.iter_mut().filter(|run| stated(run).is_none()) {
@@ -132,10 +130,7 @@ pub(super) fn runs(
             None => problems.push(no_room(task, run, blocks)),
         }
     }
-    for run in &mut runs {
-        if !plan.has_two_tables(run.axis) {
-            continue;
-        }
+    for run in runs.iter_mut().filter(|run| plan.has_two_tables(run.axis)) {
         run.minus_first = space.take(&facts.minus_points.value, run.count);
         if run.minus_first.is_none() {
             problems.push(no_room(task, run, &facts.minus_points.value));
@@ -145,24 +140,14 @@ pub(super) fn runs(
 }
 
 fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> Problem {
-    task.job
-        .problem_at(
-            &format!("compensation.axes.{}", run.axis.key()),
-            format!(
-                "there is no room for {} points of axis {} ({}) in {}",
-                run.count,
-                run.axis,
-                run.id,
-                blocks_text(blocks)
-            ),
-        )
-        .help("use a larger spacing, or free `reserved_points`")
+    let (Run { axis, id, count, .. }, blocks) = (run, blocks_text(blocks));
+    let words = format!("there is no room for {count} points of axis {axis} ({id}) in {blocks}");
+    let problem = task.job.problem_at(&axis_key(*axis, ""), words);
+    problem.help("use a larger spacing, or free `reserved_points`")
 }
 
 fn blocks_text(blocks: &[NumberRange]) -> String {
-    let texts: Vec<String> =
-        blocks.iter().map(|b| format!("points {}…{}", b.first, b.last)).collect();
-    texts.join(", ")
+    joined(blocks.iter().map(|b| format!("points {}…{}", b.first, b.last)))
 }
 
 fn needed(plan: &Plan, facts: &FanucFacts) -> Vec<Run> {

@@ -3,7 +3,7 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::FanucFacts;
 use crate::quantity::{Axis, Direction};
-use crate::text::Problems;
+use crate::text::{Problems, joined};
 use crate::write::compiled::backlash_parameter;
 use crate::write::control_text::trimmed;
 use crate::write::fanuc::numbers::{Run, is_four_point};
@@ -23,64 +23,45 @@ pub(super) fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problem
         if let Some((counts, unit_um)) = backlash_counts(task, plan, axis)
             && counts.abs() > LARGEST_BACKLASH
         {
-            problems.push(
-                task.job
-                    .problem_at("compensation.backlash", format!("axis {axis} would need a backlash parameter of {counts} × {unit_um} µm, the control takes ±{LARGEST_BACKLASH}"))
-                    .help("check the measurement and `detection_unit_um`"),
+            let words = format!(
+                "axis {axis} would need a backlash parameter of {counts} × {unit_um} µm, the control takes ±{LARGEST_BACKLASH}"
             );
+            let problem = task.job.problem_at("compensation.backlash", words);
+            problems.push(problem.help("check the measurement and `detection_unit_um`"));
         }
     }
 }
 
 pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assumption> {
-    let mut assumptions = Vec::new();
-    let nothing_reserved = task.job.compensation.reserved_points.is_none();
-    if nothing_reserved
-        && runs.iter().any(|run| {
-            task.job.compensation.axes[run.axis].as_ref().is_some_and(|s| s.first_point.is_none())
-        })
-    {
-        let reserved = Assumption::of_job(
-            "reserved_points",
-            "none",
-            "points already used by other axes would be overwritten: state `reserved_points`",
-        );
-        assumptions.push(reserved.undecided());
-    }
-    for run in runs {
-        if plan.of_axis(run.axis).next().is_none() {
-            let unused = Assumption::of_job(
-                format!("pitch_compensation_of_axis_{}", run.id),
-                "none in use",
-                format!(
-                    "an existing pitch compensation of axis {} would be replaced by zeros: compensate E{1}{1} in the same job",
-                    run.id, run.axis
-                ),
-            );
-            assumptions.push(unused.undecided());
-        }
-    }
+    let compensation = &task.job.compensation;
+    let is_free = |run: &Run| task.settings(run.axis).is_some_and(|s| s.first_point.is_none());
+    let nothing_reserved = compensation.reserved_points.is_none() && runs.iter().any(is_free);
+    let reserved = nothing_reserved.then(|| {
+        let words =
+            "points already used by other axes would be overwritten: state `reserved_points`";
+        Assumption::of_job("reserved_points", "none", words)
+    });
+    let unused = runs.iter().filter(|run| plan.of_axis(run.axis).next().is_none());
+    let unused = unused.map(|Run { id, axis, .. }| {
+        let words = format!("an existing pitch compensation of axis {id} would be replaced by zeros: compensate E{axis}{axis} in the same job");
+        Assumption::of_job(format!("pitch_compensation_of_axis_{id}"), "none in use", words)
+    });
     let is_asked = |run: &&Run| {
-        let settings = task.job.compensation.axes[run.axis].as_ref();
+        let settings = task.settings(run.axis);
         settings.is_none_or(|s| s.interpolated.is_none() && s.parameter_3605.is_none())
     };
-    let asked: Vec<String> = runs.iter().filter(is_asked).map(|run| run.id.to_string()).collect();
-    if !asked.is_empty() {
-        let axes = asked.join(", ");
-        let words = format!(
-            "between the points the forecast is off by up to one step: read 3605#1 of axis {axes} and leave it as it is; where it is 1 (as on the one control seen), state `interpolated = true` for that axis, else `false`, and generate again"
-        );
-        assumptions.push(Assumption::of_job("interpolated", "false", words).undecided());
-    }
-    if plan.has_cross() && task.job.compensation.first_set.is_none() {
-        let first = Assumption::of_job(
-            "first_set",
-            "1",
-            "straightness sets already in use from set 1 would be overwritten: state `first_set`",
-        );
-        assumptions.push(first.undecided());
-    }
-    assumptions
+    let axes = joined(runs.iter().filter(is_asked).map(|run| run.id));
+    let interpolated = (!axes.is_empty()).then(|| {
+        let words = format!("between the points the forecast is off by up to one step: read 3605#1 of axis {axes} and leave it as it is; where it is 1 (as on the one control seen), state `interpolated = true` for that axis, else `false`, and generate again");
+        Assumption::of_job("interpolated", "false", words)
+    });
+    let first_set = (plan.has_cross() && compensation.first_set.is_none()).then(|| {
+        let words =
+            "straightness sets already in use from set 1 would be overwritten: state `first_set`";
+        Assumption::of_job("first_set", "1", words)
+    });
+    let all = reserved.into_iter().chain(unused).chain(interpolated).chain(first_set);
+    all.map(Assumption::undecided).collect()
 }
 
 pub(super) fn preconditions(
@@ -147,7 +128,7 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
         "the points are anchored on the reference position; if it is elsewhere, switching the tables on moves the axis",
         "B-64303CM-1/01 section 1.3.1",
     ).dangerous()];
-    let settings = task.job.compensation.axes[run.axis].as_ref();
+    let settings = task.settings(run.axis);
     let directed = run.minus_first.is_some();
     if settings.is_none_or(|s| s.parameter_3605.is_none()) {
         list.push(Precondition::new(

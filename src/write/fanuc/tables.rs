@@ -19,7 +19,7 @@ use crate::write::fanuc::four_point::best_fit;
 use crate::write::fanuc::numbers::{Run, Space, is_four_point};
 use crate::write::findings::TableFinding;
 use crate::write::grid::{Grid, as_number, whole};
-use crate::write::task::{Plan, PlannedTable, Task};
+use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// What is written so far, and what it is made from.
 pub(super) struct Writer<'a> {
@@ -70,9 +70,9 @@ impl<'a> Writer<'a> {
         let (increment, magnification) =
             (self.facts.increment_max.value, self.facts.magnification_max.value);
         let most = f64::from(increment) * f64::from(magnification) * unit_um;
-        let change = steepest(&wanted(planned, self.facts.pitch_sign.value));
+        let change = steepest(planned);
         self.refuse(
-            &format!("compensation.axes.{}", planned.term.along.key()),
+            &axis_key(planned.term.along, ""),
             format!(
                 "{} changes by {change:.1} µm between two points, more than {increment} × {magnification} × {unit_um} µm = {most:.3} µm that the control can add",
                 planned.term
@@ -87,17 +87,13 @@ impl<'a> Writer<'a> {
         let unit_um = self.unit_um(run.axis);
         let machine = self.task.job.machine.axes[run.axis];
         let homing = machine.map_or(Direction::Plus, |axis| axis.homing());
-        let curve = |planned: &&PlannedTable| Curve {
-            wanted_um: wanted(planned, self.facts.pitch_sign.value),
-            carries_reversal: planned.direction.is_some_and(|own| own != homing),
-        };
-        let curves: Vec<Curve> = tables.iter().map(curve).collect();
+        let carries_reversal =
+            |planned: &PlannedTable| planned.direction.is_some_and(|own| own != homing);
+        let sign = self.facts.pitch_sign.value;
         let Some((magnification, reversal, totals)) =
-            magnify(self.facts, run.grid, &curves, unit_um)
+            magnify(self.facts, sign, &tables, carries_reversal, unit_um)
         else {
-            let change =
-                |table: &PlannedTable| steepest(&wanted(table, self.facts.pitch_sign.value));
-            let steepest = tables.iter().max_by(|a, b| change(a).total_cmp(&change(b)));
+            let steepest = tables.iter().max_by(|a, b| steepest(a).total_cmp(&steepest(b)));
             if let Some(planned) = steepest {
                 self.refuse_steep(planned, unit_um);
             }
@@ -105,7 +101,7 @@ impl<'a> Writer<'a> {
         };
         if reversal.abs() > LARGEST_REVERSAL {
             self.refuse(
-                &format!("compensation.axes.{}.detection_unit_um", run.axis.key()),
+                &axis_key(run.axis, ".detection_unit_um"),
                 format!(
                     "the reversal of axis {} at the reference is {reversal} × {unit_um} µm, more than ±{LARGEST_REVERSAL} that parameter 3627 holds",
                     run.axis
@@ -130,20 +126,18 @@ impl<'a> Writer<'a> {
 
     fn pitch_parameters(&mut self, run: &Run, magnification: u32) {
         let id = Some(run.id);
-        self.memory.set(3620, id, run.reference_point());
+        self.memory.set(3620, id, run.point(0));
         self.memory.set(3621, id, run.first);
         self.memory.set(3622, id, run.last());
         self.memory.set(3623, id, magnification);
         let digits = run.grid.spacing_digits;
         let interval = match self.facts.interval_form.value {
             IntervalForm::Integer => ParameterValue::Integer(digits),
-            IntervalForm::Real => {
-                ParameterValue::Real(as_number(digits) / run.grid.digit.per_unit())
-            }
+            IntervalForm::Real => ParameterValue::Real(run.grid.written_spacing()),
         };
         let own = |number| ParameterKey { number, axis: id };
         self.memory.parameters.insert(own(3624), interval);
-        let settings = self.task.job.compensation.axes[run.axis].as_ref();
+        let settings = self.task.settings(run.axis);
         if let Some(found) = settings.and_then(|s| s.parameter_3605) {
             let interpolated = settings.is_some_and(AxisSettings::is_interpolated);
             let directed = u8::from(run.minus_first.is_some());
@@ -197,11 +191,9 @@ impl<'a> Writer<'a> {
 
     fn per_point(&mut self, set: &Set<'_>) {
         let facts = self.facts;
-        let curve = Curve {
-            wanted_um: wanted(set.planned, facts.straightness_sign.value),
-            carries_reversal: false,
-        };
-        let Some((magnification, _, totals)) = magnify(facts, set.run.grid, &[curve], set.unit_um)
+        let sign = facts.straightness_sign.value;
+        let Some((magnification, _, totals)) =
+            magnify(facts, sign, &[set.planned], |_| false, set.unit_um)
         else {
             return self.refuse_steep(set.planned, set.unit_um);
         };
@@ -241,12 +233,12 @@ impl<'a> Writer<'a> {
     }
 
     fn four_points(&mut self, set: &Set<'_>) {
-        let wanted = wanted(set.planned, self.facts.straightness_sign.value);
-        let units: Vec<f64> = wanted.iter().map(|um| um / set.unit_um).collect();
+        let sign = self.facts.straightness_sign.value;
+        let units = set.planned.values.iter().map(|value| sign.table_um(*value) / set.unit_um);
+        let units: Vec<f64> = units.collect();
         let grid = &set.run.grid;
-        let reference = usize::try_from(-grid.first).unwrap_or(0);
         let most = self.facts.straightness_amount_max.value;
-        let Some(fit) = best_fit(&units, reference, most) else {
+        let Some(fit) = best_fit(&units, grid.reference_node(), most) else {
             return self.refuse(
                 "limits",
                 format!(
@@ -285,23 +277,17 @@ pub(super) fn points(memory: &mut FanucMemory, first: u32, run: &Run, totals: Op
     }
 }
 
-/// One curve to be put into increments.
-struct Curve {
-    wanted_um: Vec<f64>,
-    /// Whether its value at the reference goes to parameter 3627.
-    carries_reversal: bool,
-}
-
-/// The smallest magnification with which every increment is legal, and the totals with it.
+/// The smallest magnification with which every increment of these tables is legal, and the totals with it.
 ///
-/// Returns the detection units of 3627 as well (0 if no curve carries the reversal).
+/// Returns the detection units of 3627 as well: the value at the reference of the table that carries the reversal.
 fn magnify(
     facts: &FanucFacts,
-    grid: Grid,
-    curves: &[Curve],
+    sign: TableSign,
+    tables: &[&PlannedTable],
+    carries_reversal: impl Fn(&PlannedTable) -> bool,
     unit_um: f64,
 ) -> Option<(u32, i64, Vec<Totals>)> {
-    let steepest = curves.iter().map(|curve| steepest(&curve.wanted_um));
+    let steepest = tables.iter().map(|planned| steepest(planned));
     let legal = i64::from(facts.increment_max.value);
     // Rounding of two totals can add or save one count, so the search begins a little below.
     let per_count = unit_um * as_number(legal + 1);
@@ -314,12 +300,12 @@ fn magnify(
             false => unit_um,
         };
         let mut reversal = 0.0;
-        let totals = curves.iter().map(|curve| {
-            let at_reference = curve.wanted_um[usize::try_from(-grid.first).unwrap_or(0)];
-            let carried = f64::from(u8::from(curve.carries_reversal));
-            let units = carried * (at_reference / step_um).round();
+        let totals = tables.iter().map(|planned| {
+            let at_reference = planned.values[planned.grid.reference_node()];
+            let carried = f64::from(carries_reversal(planned));
+            let units = carried * (sign.table_um(at_reference) / step_um).round();
             reversal += units;
-            Totals::round(grid, &curve.wanted_um, units * step_um, count_um)
+            Totals::round(planned, sign, units * step_um, count_um)
         });
         let totals: Vec<Totals> = totals.collect();
         let fits = totals.iter().all(|t| t.largest_increment() <= legal);
@@ -327,15 +313,10 @@ fn magnify(
     })
 }
 
-/// Largest change between two points.
-fn steepest(values: &[f64]) -> f64 {
-    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+/// Largest change between two points, µm; of either sense of the table.
+fn steepest(planned: &PlannedTable) -> f64 {
+    let changes = planned.values.windows(2).map(|pair| (pair[1] - pair[0]).um().abs());
     changes.fold(0.0, f64::max)
-}
-
-fn wanted(planned: &PlannedTable, sign: TableSign) -> Vec<f64> {
-    let values = planned.values.iter();
-    values.map(|value| sign.table_um(*value)).collect()
 }
 
 /// Totals at the nodes of a grid in counts.
@@ -345,19 +326,13 @@ pub(super) struct Totals {
 }
 
 impl Totals {
-    /// `wanted_um`: what the table is to stand for at each node, in the sense of the table;
-    /// `zero_um`: what is already there at the reference (parameter 3627).
-    fn round(grid: Grid, wanted_um: &[f64], zero_um: f64, count_um: f64) -> Totals {
-        let reference = usize::try_from(-grid.first).unwrap_or(0);
-        let counts = wanted_um
-            .iter()
-            .enumerate()
-            .map(
-                |(node, um)| {
-                    if node == reference { 0 } else { whole(((um - zero_um) / count_um).round()) }
-                },
-            )
-            .collect();
+    /// What the table is to stand for at each node; `zero_um`: what is already there at the reference
+    /// (parameter 3627).
+    fn round(planned: &PlannedTable, sign: TableSign, zero_um: f64, count_um: f64) -> Totals {
+        let (grid, values) = (planned.grid, planned.values.iter());
+        let counts = values.map(|value| ((sign.table_um(*value) - zero_um) / count_um).round());
+        let mut counts: Vec<i64> = counts.map(whole).collect();
+        counts[grid.reference_node()] = 0;
         Totals { grid, counts }
     }
 

@@ -20,10 +20,10 @@ use crate::write::task::Task;
 use std::collections::BTreeMap;
 
 impl LinuxcncFacts {
-    /// The curves of all tables, in their order.
-    fn curves_of(&self, tables: &[&ListedTable]) -> Vec<Curve> {
+    /// The curves of all cross terms, in their order.
+    fn curves_of(&self, tables: &[ListedTable]) -> Vec<Curve> {
         let mut curves: Vec<Curve> = Vec::new();
-        for table in tables {
+        for table in tables.iter().filter(|table| !table.is_own()) {
             let pieces = self.pieces(&table.points).into_iter();
             let axes = [&table.base, &table.output].map(Clone::clone);
             curves.extend(pieces.map(|points| Curve { axes: axes.clone(), points }));
@@ -53,8 +53,7 @@ impl LinuxcncFacts {
         let Tables::Listed(ListedTables { tables, .. }) = tables else {
             return;
         };
-        let cross: Vec<&ListedTable> = tables.iter().filter(|table| !table.is_own()).collect();
-        if self.curves_of(&cross).len() <= self.personalities.value as usize {
+        if self.curves_of(tables).len() <= self.personalities.value as usize {
             return;
         }
         let sections = self.curve_points.value as usize - 1;
@@ -75,8 +74,7 @@ impl LinuxcncFacts {
         task: Task<'_>,
         tables: &[ListedTable],
     ) -> Result<(), Problem> {
-        let cross: Vec<&ListedTable> = tables.iter().filter(|table| !table.is_own()).collect();
-        let (curves, most) = (self.curves_of(&cross).len(), self.curves.value as usize);
+        let (curves, most) = (self.curves_of(tables).len(), self.curves.value as usize);
         if curves <= most {
             return Ok(());
         }
@@ -111,7 +109,7 @@ impl LinuxcncFacts {
     pub(super) fn seen_of_all(
         &self,
         joints: Vec<Seen>,
-        tables: &[&ListedTable],
+        tables: &[ListedTable],
         reference: String,
     ) -> Seen {
         let curves = self.curves_of(tables);

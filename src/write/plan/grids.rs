@@ -4,12 +4,12 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{
     AxisSettings, GridRequest, MachineAxis, OutsideMeasured, without_grid, without_unit,
 };
-use crate::quantity::{Axis, Deviation, Millimetres, PerAxis, residual, table_values};
+use crate::quantity::{Axis, Deviation, PerAxis, residual, table_values};
 use crate::text::{Finding, Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
-use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit, as_number};
-use crate::write::task::{Target, Task};
+use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit};
+use crate::write::task::{Target, Task, axis_key};
 
 pub(super) fn grids(
     task: Task<'_>,
@@ -20,17 +20,15 @@ pub(super) fn grids(
     let mut grids = PerAxis::default();
     check_settings(task, targets, &mut problems);
     for axis in Axis::ALL {
-        let along: Vec<&Target> = targets.iter().filter(|t| t.term.along == axis).collect();
-        let Some((machine, settings)) = task.axis(axis) else {
+        let targets: Vec<&Target> = targets.iter().filter(|t| t.term.along == axis).collect();
+        let Some((machine, settings)) = task.axis(axis).filter(|_| !targets.is_empty()) else {
             continue;
         };
-        if along.is_empty() {
-            continue;
-        }
-        if let Some(grid) = problems.take(axis_grid(task, axis, machine, settings, &along)) {
-            check_grid(task, axis, machine, settings, &grid, &mut problems);
-            refuse_beyond(task, axis, machine, &along, &grid, &mut problems);
-            note_spacing(axis, settings, &grid, notes);
+        let moving = Moving { task, axis, machine, settings, targets };
+        if let Some(grid) = problems.take(moving.grid()) {
+            let wrong = [moving.unmeasured(&grid), moving.too_fine(&grid), moving.beyond(&grid)];
+            wrong.into_iter().flatten().for_each(|problem| problems.push(problem));
+            notes.extend(moving.written_spacing(&grid).map(Finding::from));
             grids[axis] = Some(grid);
         }
     }
@@ -41,8 +39,8 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
     for axis in Axis::ALL {
         let moves = targets.iter().any(|t| t.term.along == axis);
         let corrected = targets.iter().any(|t| t.term.of == axis);
-        let settings = task.job.compensation.axes[axis].as_ref();
-        let path = format!("compensation.axes.{}", axis.key());
+        let settings = task.settings(axis);
+        let path = axis_key(axis, "");
         if moves && settings.is_none_or(|s| s.grid.is_none()) {
             problems.push(task.job.source.at(&path, without_grid(axis, &path)));
         }
@@ -51,54 +49,11 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
             problems.push(task.job.source.at(&path, without_unit(&path, &task.profile.name)));
         }
         if corrected && task.job.machine.axes[axis].is_none() {
-            problems.push(
-                task.job
-                    .problem_at(
-                        "machine.axes",
-                        format!(
-                            "axis {axis} is corrected, but [machine.axes.{}] is missing",
-                            axis.key()
-                        ),
-                    )
-                    .help("add travel_mm and reference_mm of this axis"),
-            );
+            let words =
+                format!("axis {axis} is corrected, but [machine.axes.{}] is missing", axis.key());
+            let help = "add travel_mm and reference_mm of this axis";
+            problems.push(task.job.problem_at("machine.axes", words).help(help));
         }
-    }
-}
-
-fn axis_grid(
-    task: Task<'_>,
-    axis: Axis,
-    machine: MachineAxis,
-    settings: &AxisSettings,
-    targets: &[&Target],
-) -> Result<Grid, Problems> {
-    let digit = length_digit(task);
-    let path = |key: &str| format!("compensation.axes.{}.{key}", axis.key());
-    let request = settings.grid.unwrap_or(GridRequest::Points(2));
-    let ends_given = settings.start_mm.is_some() || settings.end_mm.is_some();
-    if ends_given && !matches!(request, GridRequest::Spacing(_)) {
-        let key = if settings.start_mm.is_some() { "start_mm" } else { "end_mm" };
-        return Err(task
-            .job
-            .problem_at(&path(key), format!("`{key}` needs a grid of stated spacing"))
-            .help("give `spacing_mm`, or leave `start_mm` and `end_mm` out")
-            .into());
-    }
-    match request {
-        GridRequest::Spacing(spacing) => {
-            grid::with_spacing(task.job, axis, machine, settings, digit, spacing)
-        }
-        GridRequest::Points(points) => grid::with_points(machine, digit, points)
-            .map_err(|problem| at_key(task, &path("points"), problem)),
-        GridRequest::MaxResidual(limit) => coarsest(task, axis, machine, targets, limit),
-    }
-}
-
-fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
-    match task.job.source.place_of(path) {
-        Some(place) => problem.at(place).into(),
-        None => problem.into(),
     }
 }
 
@@ -106,132 +61,132 @@ fn at_key(task: Task<'_>, path: &str, problem: Problem) -> Problems {
 /// points is not what `max_residual_um` is for.
 const MOST_PLANNED_POINTS: u32 = 2000;
 
-/// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
-/// term of the axis.
-fn coarsest(
-    task: Task<'_>,
-    axis: Axis,
-    machine: MachineAxis,
-    targets: &[&Target],
-    limit_um: f64,
-) -> Result<Grid, Problems> {
-    let most = point_limit(task.profile, targets).0.min(MOST_PLANNED_POINTS);
-    let mut least = f64::INFINITY;
-    for points in 2..=most {
-        let Ok(grid) = grid::with_points(machine, length_digit(task), points) else {
-            continue;
-        };
-        let worst =
-            targets.iter().map(|target| tabulate(task, target, &grid).1).fold(0.0, f64::max);
-        if worst <= limit_um {
-            return Ok(grid);
-        }
-        least = least.min(worst);
-        if grid.spacing_digits <= 1 {
-            break;
-        }
-    }
-    let path = format!("compensation.axes.{}.max_residual_um", axis.key());
-    Err(task
-        .job
-        .problem_at(&path, format!("no grid of up to {most} points keeps {limit_um} µm on axis {axis}; the best leaves {least:.3} µm"))
-        .help("allow a larger residual, or compensate fewer terms")
-        .into())
-}
-
 /// Most points of a table for these targets, and of what.
 pub(super) fn point_limit(profile: &Profile, targets: &[&Target]) -> (u32, String) {
     let (most, holder) = family(profile).point_limit(targets);
     (most, format!("{holder} of {}", profile.name))
 }
 
-fn check_grid(
-    task: Task<'_>,
+/// A moving axis with all that is looked up along it.
+struct Moving<'a> {
+    task: Task<'a>,
     axis: Axis,
     machine: MachineAxis,
-    settings: &AxisSettings,
-    grid: &Grid,
-    problems: &mut Problems,
-) {
-    refuse_unmeasured(task, axis, settings, grid, problems);
-    let Some(feed) = machine.max_feed else {
-        return;
-    };
-    let least = family(task.profile).least_spacing_mm(feed);
-    let spacing = grid.spacing().mm();
-    if spacing < least {
-        problems.push(
-            task.job
-                .problem_at(&format!("compensation.axes.{}", axis.key()), format!("a spacing of {spacing} mm is below {least} mm, the smallest that {} takes at {feed} mm/min", task.profile.name))
-                .help("use a larger spacing"),
-        );
-    }
+    settings: &'a AxisSettings,
+    targets: Vec<&'a Target>,
 }
 
-/// Points beyond the travel where the control uses none.
-fn refuse_beyond(
-    task: Task<'_>,
-    axis: Axis,
-    machine: MachineAxis,
-    targets: &[&Target],
-    grid: &Grid,
-    problems: &mut Problems,
-) {
-    if family(task.profile).takes_points_beyond() || grid.is_within(machine) {
-        return;
+impl Moving<'_> {
+    fn problem(&self, key: &str, message: String) -> Problem {
+        self.task.job.problem_at(&axis_key(self.axis, key), message)
     }
-    let most = f64::from(point_limit(task.profile, targets).0);
-    let travel = (machine.high - machine.low).mm();
-    let spacing = grid::ending_with_travel(machine, grid.digit, grid.spacing().mm());
-    let help = match spacing.filter(|spacing| travel / spacing + 1.0 <= most + 0.5) {
-        Some(spacing) => {
-            format!("`spacing_mm = {spacing}` has points at both ends of the travel and none beyond")
+
+    fn grid(&self) -> Result<Grid, Problems> {
+        let Moving { task, axis, machine, settings, .. } = self;
+        let digit = length_digit(*task);
+        let request = settings.grid.unwrap_or(GridRequest::Points(2));
+        let ends = [("start_mm", settings.start_mm), ("end_mm", settings.end_mm)];
+        let stated = ends.into_iter().find(|(_, mm)| mm.is_some());
+        match (request, stated) {
+            (GridRequest::Spacing(spacing), _) => {
+                grid::with_spacing(task.job, *axis, *machine, settings, digit, spacing)
+            }
+            (_, Some((key, _))) => {
+                let words = format!("`{key}` needs a grid of stated spacing");
+                let problem = self.problem(&format!(".{key}"), words);
+                Err(problem.help("give `spacing_mm`, or leave `start_mm` and `end_mm` out").into())
+            }
+            (GridRequest::Points(points), None) => grid::with_points(*machine, digit, points)
+                .map_err(|mut problem| {
+                    problem.place = task.job.source.place_of(&axis_key(*axis, ".points"));
+                    problem.into()
+                }),
+            (GridRequest::MaxResidual(limit_um), None) => self.coarsest(limit_um),
         }
-        None => "no spacing has points at both ends of this travel: state as `travel_mm` ends that lie whole spacings from the reference point, which lies between them".to_string(),
-    };
-    let message = format!(
-        "the table of axis {axis} would have points beyond the travel, and {} uses none there",
-        task.profile.name
-    );
-    let key = format!("compensation.axes.{}", axis.key());
-    problems.push(task.job.problem_at(&key, message).help(help));
-}
-
-fn refuse_unmeasured(
-    task: Task<'_>,
-    axis: Axis,
-    settings: &AxisSettings,
-    grid: &Grid,
-    problems: &mut Problems,
-) {
-    let Some((low, high)) = task.model.ranges[axis] else {
-        return;
-    };
-    let (first, last) = grid.range();
-    let beyond = first.mm() < low.mm() - EDGE_MM || last.mm() > high.mm() + EDGE_MM;
-    if beyond && settings.outside == OutsideMeasured::Refuse {
-        let path = format!("compensation.axes.{}.outside", axis.key());
-        problems.push(
-            task.job
-                .problem_at(&path, format!("the table of axis {axis} runs from {} to {} mm, but only {} … {} mm was measured", first.mm(), last.mm(), low.mm(), high.mm()))
-                .help("measure the whole travel, give `start_mm` and `end_mm`, or hold the end value with `outside = \"hold\"`"),
-        );
     }
-}
 
-fn note_spacing(axis: Axis, settings: &AxisSettings, grid: &Grid, notes: &mut Vec<Finding>) {
-    let spacing = grid.spacing().mm();
-    if let Some(GridRequest::Spacing(asked)) = settings.grid
-        && (asked - spacing).abs() > 1e-9
-    {
-        let found = TableFinding::WrittenSpacing {
-            axis,
-            asked_mm: asked,
-            written: as_number(grid.spacing_digits) / grid.digit.per_unit(),
-            unit: grid.digit.unit.word(),
-            spacing_mm: spacing,
+    /// The grid of the fewest points whose own residual (before rounding) keeps the limit for every
+    /// term of the axis.
+    fn coarsest(&self, limit_um: f64) -> Result<Grid, Problems> {
+        let task = self.task;
+        let most = point_limit(task.profile, &self.targets).0.min(MOST_PLANNED_POINTS);
+        let mut least = f64::INFINITY;
+        for points in 2..=most {
+            let Ok(grid) = grid::with_points(self.machine, length_digit(task), points) else {
+                continue;
+            };
+            let residuals = self.targets.iter().map(|target| tabulate(task, target, &grid).1);
+            let worst = residuals.fold(0.0, f64::max);
+            if worst <= limit_um {
+                return Ok(grid);
+            }
+            least = least.min(worst);
+            if grid.spacing_digits <= 1 {
+                break;
+            }
+        }
+        let words = format!(
+            "no grid of up to {most} points keeps {limit_um} µm on axis {}; the best leaves {least:.3} µm",
+            self.axis
+        );
+        let problem = self.problem(".max_residual_um", words);
+        Err(problem.help("allow a larger residual, or compensate fewer terms").into())
+    }
+
+    fn too_fine(&self, grid: &Grid) -> Option<Problem> {
+        let (feed, profile) = (self.machine.max_feed?, self.task.profile);
+        let (least, spacing) = (family(profile).least_spacing_mm(feed), grid.spacing().mm());
+        (spacing < least).then(|| {
+            let words = format!("a spacing of {spacing} mm is below {least} mm, the smallest that {} takes at {feed} mm/min", profile.name);
+            self.problem("", words).help("use a larger spacing")
+        })
+    }
+
+    /// Points beyond the travel where the control uses none.
+    fn beyond(&self, grid: &Grid) -> Option<Problem> {
+        let Moving { task, axis, machine, targets, .. } = self;
+        if family(task.profile).takes_points_beyond() || grid.is_within(*machine) {
+            return None;
+        }
+        let most = f64::from(point_limit(task.profile, targets).0);
+        let travel = (machine.high - machine.low).mm();
+        let spacing = grid::ending_with_travel(*machine, grid.digit, grid.spacing().mm());
+        let help = match spacing.filter(|spacing| travel / spacing + 1.0 <= most + 0.5) {
+            Some(spacing) => {
+                format!("`spacing_mm = {spacing}` has points at both ends of the travel and none beyond")
+            }
+            None => "no spacing has points at both ends of this travel: state as `travel_mm` ends that lie whole spacings from the reference point, which lies between them".to_string(),
         };
-        notes.push(found.into());
+        let words = format!(
+            "the table of axis {axis} would have points beyond the travel, and {} uses none there",
+            task.profile.name
+        );
+        Some(self.problem("", words).help(help))
+    }
+
+    fn unmeasured(&self, grid: &Grid) -> Option<Problem> {
+        let (low, high) = self.task.model.ranges[self.axis]?;
+        let (first, last) = grid.range();
+        let beyond = first.mm() < low.mm() - EDGE_MM || last.mm() > high.mm() + EDGE_MM;
+        (beyond && self.settings.outside == OutsideMeasured::Refuse).then(|| {
+            let words = format!("the table of axis {} runs from {} to {} mm, but only {} … {} mm was measured", self.axis, first.mm(), last.mm(), low.mm(), high.mm());
+            let help = "measure the whole travel, give `start_mm` and `end_mm`, or hold the end value with `outside = \"hold\"`";
+            self.problem(".outside", words).help(help)
+        })
+    }
+
+    fn written_spacing(&self, grid: &Grid) -> Option<TableFinding> {
+        let spacing_mm = grid.spacing().mm();
+        let Some(GridRequest::Spacing(asked_mm)) = self.settings.grid else {
+            return None;
+        };
+        ((asked_mm - spacing_mm).abs() > 1e-9).then(|| TableFinding::WrittenSpacing {
+            axis: self.axis,
+            asked_mm,
+            written: grid.written_spacing(),
+            unit: grid.digit.unit.word(),
+            spacing_mm,
+        })
     }
 }
 
@@ -239,7 +194,8 @@ pub(super) fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Dev
     // The reference node of a table is exactly zero, except for the direction that carries the
     // reversal: its curve is fitted about its own value there.
     let nodes = grid.nodes();
-    let homing = task.job.machine.axes[target.term.along].map(|machine| machine.homing());
+    let machine = task.job.machine.axes[target.term.along];
+    let homing = machine.map(|machine| machine.homing());
     let carries_reversal = target.direction.is_some_and(|own| Some(own) != homing);
     let offset = if carries_reversal { target.curve.at(grid.reference) } else { Deviation::ZERO };
     let values: Vec<Deviation> =
@@ -247,13 +203,9 @@ pub(super) fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Dev
             .into_iter()
             .map(|value| Deviation::from_um(value.um() + offset.um()))
             .collect();
-    let (low, high) = whole_axis(task, target.term.along, grid);
+    let (low, high) = machine.map_or_else(|| grid.range(), |machine| (machine.low, machine.high));
     let worst = residual(&target.curve, &nodes, &values, low, high);
     (values, worst)
-}
-
-fn whole_axis(task: Task<'_>, axis: Axis, grid: &Grid) -> (Millimetres, Millimetres) {
-    task.job.machine.axes[axis].map_or_else(|| grid.range(), |machine| (machine.low, machine.high))
 }
 
 /// The last digit of positions and spacings in the control's files.

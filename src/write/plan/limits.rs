@@ -7,7 +7,7 @@ use crate::inputs::error_table::Heading;
 use crate::inputs::job::Limits;
 use crate::quantity::{Deviation, UM_PER_MM};
 use crate::text::{Problem, Problems};
-use crate::write::task::{PlannedTable, Task};
+use crate::write::task::{PlannedTable, Task, axis_key};
 
 /// No machine tool is off by more, µm: beyond it the unit of the column is the likelier cause.
 const NO_MACHINE_UM: f64 = UM_PER_MM;
@@ -95,20 +95,18 @@ fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &PlannedTable, &Extent)>) -
         limits.max_correction_um,
         limits.max_slope_um_per_mm
     );
-    let problem = Problem::new(message).help(format!(
+    let mut problem = Problem::new(message).help(format!(
         "if the numbers are micrometres, rename to {}; else raise `max_correction_um` and `max_slope_um_per_mm` in [limits]",
         names(&Heading::in_micrometres)
     ));
-    match headings.first() {
-        Some(first) => problem.at(first.place.clone()),
-        None => problem,
-    }
+    problem.place = headings.first().map(|first| first.place.clone());
+    problem
 }
 
 fn check_table(task: Task<'_>, table: &PlannedTable, extent: &Extent, problems: &mut Problems) {
     let limits = task.job.limits;
     // A limit that is not stated has no line of its own.
-    let section = format!("compensation.axes.{}", table.term.along.key());
+    let section = axis_key(table.term.along, "");
     let at_limit = |key: &str, message: String| {
         let path = format!("limits.{key}");
         let stated = task.job.source.place_of(&path).is_some();

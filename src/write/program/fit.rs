@@ -1,75 +1,76 @@
 //! What a run must keep: travel, feed, readings; and the largest box that would fit.
 
-use crate::inputs::job::{
-    DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
-};
+use crate::inputs::job::{DiagonalMeasurement, ProgramRequest, RunType, TargetGrid};
 use crate::quantity::{Axis, PerAxis, pitch, rounded};
 use crate::text::{Finding, Problems};
 use crate::write::findings::RunFinding;
-use crate::write::program::route::{moving, readings_of};
-use crate::write::program::run::{MOST_READINGS, problem};
-use crate::write::program::{Resolution, RunTask};
+use crate::write::program::RunTask;
+use crate::write::program::mirror::overrun_mm;
+use crate::write::program::route::{moving, readings_of, refuse_between_digits};
+use crate::write::program::run::MOST_READINGS;
 
-pub(super) fn refuse_too_many_readings(
-    job: &Job,
-    request: &ProgramRequest,
-    problems: &mut Problems,
-) {
-    let readings = readings_of(request);
+/// What a run is refused for, in the order in which it is told.
+pub(super) const REFUSALS: [fn(RunTask<'_>, &mut Problems); 8] = [
+    refuse_too_many_readings,
+    refuse_feed,
+    refuse_shift,
+    refuse_rest_outside,
+    refuse_outside_travel,
+    refuse_other_turn,
+    refuse_number,
+    refuse_between_digits,
+];
+
+fn refuse_too_many_readings(task: RunTask<'_>, problems: &mut Problems) {
+    let readings = readings_of(task.request);
     if readings > MOST_READINGS {
-        problems.push(problem(
-            job,
-            "program",
-            format!("one program would take {readings} readings, expected at most {MOST_READINGS}"),
-            "fewer runs or steps: four digits number the blocks of a program",
-        ));
+        let words =
+            format!("one program would take {readings} readings, expected at most {MOST_READINGS}");
+        let help = "fewer runs or steps: four digits number the blocks of a program";
+        problems.push(task.job.problem_at("program", words).help(help));
     }
 }
 
 /// The feed along the path may reach every axis alone, so the slowest axis counts.
-pub(super) fn refuse_feed(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
-    for axis in moving(request) {
-        let largest = job.machine.axes[axis].and_then(|axis| axis.max_feed);
-        if let Some(largest) = largest.filter(|largest| request.feed_mm_per_min > *largest) {
-            problems.push(problem(
-                job,
-                "program.feed_mm_per_min",
-                format!(
-                    "the feed is {} mm/min, but {axis} is stated with at most {largest} mm/min",
-                    request.feed_mm_per_min
-                ),
-                "write `feed_mm_per_min` with a feed that every axis reaches",
-            ));
+fn refuse_feed(task: RunTask<'_>, problems: &mut Problems) {
+    let feed = task.request.feed_mm_per_min;
+    for axis in moving(task.request) {
+        let largest = task.job.machine.axes[axis].and_then(|axis| axis.max_feed);
+        if let Some(largest) = largest.filter(|largest| feed > *largest) {
+            let words = format!(
+                "the feed is {feed} mm/min, but {axis} is stated with at most {largest} mm/min"
+            );
+            let help = "write `feed_mm_per_min` with a feed that every axis reaches";
+            problems.push(task.job.problem_at("program.feed_mm_per_min", words).help(help));
         }
     }
 }
 
 /// Neighbouring targets must not change places.
-pub(super) fn refuse_shift(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
-    if let TargetGrid::Offset { shift } = request.targets {
-        for axis in moving(request) {
-            let step = request.volume.step_mm(axis);
-            let shift = shift.map_or(step / 4.0, |shift| shift.mm());
-            if shift >= step / 2.0 {
-                problems.push(problem(
-                    job,
-                    "program.shift_mm",
-                    format!("targets {step} mm apart on {axis} are shifted by up to {shift} mm, expected less than half the step"),
-                    "a smaller shift, or fewer steps",
-                ));
-            }
+fn refuse_shift(task: RunTask<'_>, problems: &mut Problems) {
+    let TargetGrid::Offset { shift } = task.request.targets else {
+        return;
+    };
+    for axis in moving(task.request) {
+        let step = task.request.volume.step_mm(axis);
+        let shift = shift.map_or(step / 4.0, |shift| shift.mm());
+        if shift >= step / 2.0 {
+            let words = format!(
+                "targets {step} mm apart on {axis} are shifted by up to {shift} mm, expected less than half the step"
+            );
+            let help = "a smaller shift, or fewer steps";
+            problems.push(task.job.problem_at("program.shift_mm", words).help(help));
         }
     }
 }
 
 /// What a person should know of the run.
 pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<Finding> {
-    let RunTask { job, request, .. } = task;
     let notes = [
-        unchecked(job, request),
-        near_the_end(job, request, task.resolution()),
-        other_box(job, request),
-        hides_pitches(request),
+        unchecked(task),
+        near_the_end(task),
+        other_box(task),
+        hides_pitches(task.request),
         protected_number(task, programs),
     ];
     notes.into_iter().flatten().map(Finding::from).collect()
@@ -93,38 +94,30 @@ fn hides_pitches(request: &ProgramRequest) -> Option<RunFinding> {
 
 /// The measurement that the job describes, where this run is of diagonals too; and whether it has
 /// the same nodes, so that it will describe the readings of this run.
-fn described<'a>(
-    job: &'a Job,
-    request: &ProgramRequest,
-) -> Option<(&'a DiagonalMeasurement, bool)> {
-    let MeasuredData::Diagonals(measured) = &job.measurement.data else {
-        return None;
-    };
-    let kind = request.what.path()?;
-    let same = measured.volume == request.volume && measured.kind == kind;
-    Some((measured, same))
+fn described(task: RunTask<'_>) -> Option<(&DiagonalMeasurement, bool)> {
+    let measured = task.job.measurement.diagonals()?;
+    let kind = task.request.what.path()?;
+    Some((measured, measured.volume == task.request.volume && measured.kind == kind))
 }
 
 /// Readings of this run must be described with this box, not with that of another measurement.
-fn other_box(job: &Job, request: &ProgramRequest) -> Option<RunFinding> {
-    let (measured, same) = described(job, request)?;
-    let turns = measured.overrun.zip(request.runs_over());
+fn other_box(task: RunTask<'_>) -> Option<RunFinding> {
+    let (measured, same) = described(task)?;
+    let turns = measured.overrun.zip(task.request.runs_over());
     let turns_otherwise = turns.is_some_and(|(stated, over)| stated != over);
     (!same).then_some(RunFinding::OtherBox { turns_otherwise })
 }
 
 /// The section that describes the readings of this run must not say that the axes turned in
 /// another way: the reversal would be looked for where it is not.
-pub(super) fn refuse_other_turn(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
-    let (Some((measured, true)), Some(over)) = (described(job, request), request.runs_over())
-    else {
-        return;
-    };
-    let Some(stated) = measured.overrun.filter(|stated| *stated != over) else {
+fn refuse_other_turn(task: RunTask<'_>, problems: &mut Problems) {
+    let stated = described(task).filter(|(_, same)| *same).and_then(|(how, _)| how.overrun);
+    let turns = stated.zip(task.request.runs_over());
+    let Some((stated, over)) = turns.filter(|(stated, over)| stated != over) else {
         return;
     };
     let (does, other) = if over {
-        let mm = request.overrun.mm();
+        let mm = task.request.overrun.mm();
         (
             format!("goes {mm} mm past the end point before the return pass"),
             "`overrun_mm = 0` in [program] for a turn without it",
@@ -135,23 +128,18 @@ pub(super) fn refuse_other_turn(job: &Job, request: &ProgramRequest, problems: &
             "an `overrun_mm` above 0 in [program]",
         )
     };
-    problems.push(problem(
-        job,
-        "measurement.step_diagonal.overrun",
-        format!("`overrun` is {stated}, but this run {does}: its readings would be separated with the wrong reversal"),
-        format!("write `overrun = {over}`, or {other}"),
-    ));
+    let words = format!(
+        "`overrun` is {stated}, but this run {does}: its readings would be separated with the wrong reversal"
+    );
+    let problem = task.job.problem_at("measurement.step_diagonal.overrun", words);
+    problems.push(problem.help(format!("write `overrun = {over}`, or {other}")));
 }
 
 /// Not every language has numbers of programs.
-pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
+fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
     if task.request.number.is_some() && task.facts.language.facts().numbered.is_none() {
-        problems.push(problem(
-            task.job,
-            "program.number",
-            format!("`number` is stated, but programs of `{}` have names", task.profile.id),
-            "remove it",
-        ));
+        let words = format!("`number` is stated, but programs of `{}` have names", task.profile.id);
+        problems.push(task.job.problem_at("program.number", words).help("remove it"));
     }
 }
 
@@ -161,29 +149,24 @@ fn protected_number(task: RunTask<'_>, programs: usize) -> Option<RunFinding> {
     (last >= from).then_some(RunFinding::ProtectedNumber { from, by })
 }
 
-fn unchecked(job: &Job, request: &ProgramRequest) -> Option<RunFinding> {
-    let mut axes = moving(request);
-    axes.retain(|axis| job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()));
+fn unchecked(task: RunTask<'_>) -> Option<RunFinding> {
+    let mut axes = moving(task.request);
+    let stated = &task.job.machine.axes;
+    axes.retain(|axis| stated[*axis].is_none_or(|axis| axis.max_feed.is_none()));
     (!axes.is_empty()).then_some(RunFinding::FeedNotChecked { axes })
 }
 
-pub(super) fn refuse_outside_travel(
-    job: &Job,
-    request: &ProgramRequest,
-    resolution: Resolution,
-    problems: &mut Problems,
-) {
+fn refuse_outside_travel(task: RunTask<'_>, problems: &mut Problems) {
+    let RunTask { job, request, .. } = task;
     for axis in Axis::ALL.into_iter().filter(|axis| job.machine.axes[*axis].is_none()) {
-        problems.push(problem(
-            job,
-            "machine.axes",
-            format!("the travel of {axis} is not stated, so nobody could tell where the program leaves it"),
-            format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key()),
-        ));
+        let words = format!(
+            "the travel of {axis} is not stated, so nobody could tell where the program leaves it"
+        );
+        let help = format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key());
+        problems.push(job.problem_at("machine.axes", words).help(help));
     }
     let axes = moving(request).into_iter();
-    let outside = axes.filter_map(|axis| outside_travel(job, request, resolution, axis));
-    let outside: Vec<String> = outside.collect();
+    let outside: Vec<String> = axes.filter_map(|axis| outside_travel(task, axis)).collect();
     if outside.is_empty() {
         return;
     }
@@ -193,20 +176,14 @@ pub(super) fn refuse_outside_travel(
         overrun_mm(request),
         outside.join(", ")
     );
-    let help = largest_box(job, request, resolution);
-    problems.push(problem(job, request.size_path, message, help));
+    problems.push(job.problem_at(request.size_path, message).help(largest_box(task)));
 }
 
 /// Where an axis goes that leaves its travel.
-fn outside_travel(
-    job: &Job,
-    request: &ProgramRequest,
-    resolution: Resolution,
-    axis: Axis,
-) -> Option<String> {
-    let travel = job.machine.axes[axis]?;
-    let (low, high) = reach(request, resolution, axis);
-    let slack = resolution.digit_mm() / 100.0;
+fn outside_travel(task: RunTask<'_>, axis: Axis) -> Option<String> {
+    let travel = task.job.machine.axes[axis]?;
+    let (low, high) = reach(task, axis);
+    let slack = task.resolution().digit_mm() / 100.0;
     let leaves = low < travel.low.mm() - slack || high > travel.high.mm() + slack;
     leaves.then(|| {
         format!(
@@ -219,17 +196,10 @@ fn outside_travel(
     })
 }
 
-/// Only a run in both directions goes past the end point.
-fn overrun_mm(request: &ProgramRequest) -> f64 {
-    match request.bidirectional {
-        true => request.overrun.mm(),
-        false => 0.0,
-    }
-}
-
 /// From where to where an axis moves: both ends of a diagonal's box are start corners. What lies
 /// beside the box is rounded up to whole digits, as it is in the program.
-fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, f64) {
+fn reach(task: RunTask<'_>, axis: Axis) -> (f64, f64) {
+    let (request, resolution) = (task.request, task.resolution());
     let low = request.volume.start[axis].mm();
     let high = low + request.volume.size[axis].mm();
     let whole = |mm: f64| resolution.mm(resolution.at_least(mm));
@@ -245,22 +215,23 @@ fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, 
 }
 
 /// The largest box of whole steps inside the travel, as the job would state it.
-fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> String {
+fn largest_box(task: RunTask<'_>) -> String {
+    let (request, resolution) = (task.request, task.resolution());
     let (volume, steps) = (&request.volume, i64::try_from(request.volume.steps).unwrap_or(1));
     let fitted: PerAxis<Option<(f64, f64)>> = PerAxis::from_fn(|axis| {
-        let travel = job.machine.axes[axis]?;
+        let travel = task.job.machine.axes[axis]?;
+        let (start, size) = (volume.start[axis].mm(), volume.size[axis].mm());
         if !moving(request).contains(&axis) {
-            return Some((volume.start[axis].mm(), volume.size[axis].mm()));
+            return Some((start, size));
         }
-        let (low, high) = reach(request, resolution, axis);
-        let before = volume.start[axis].mm() - low;
-        let after = high - volume.start[axis].mm() - volume.size[axis].mm();
+        let (low, high) = reach(task, axis);
+        let (before, after) = (start - low, high - start - size);
         let first = resolution.at_least(travel.low.mm() + before);
         let last = resolution.at_most(travel.high.mm() - after);
         let step = (last - first) / steps;
         (step > 0).then(|| (resolution.mm(first), resolution.mm(step * steps)))
     });
-    let (Some(x), Some(y), Some(z)) = (fitted.x, fitted.y, fitted.z) else {
+    let Some(PerAxis { x, y, z }) = fitted.all() else {
         return "no box of that many steps fits: less preload and overrun, or fewer steps"
             .to_string();
     };
@@ -273,7 +244,8 @@ fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> S
 }
 
 /// Where the other axes rest while one is measured.
-pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems: &mut Problems) {
+fn refuse_rest_outside(task: RunTask<'_>, problems: &mut Problems) {
+    let RunTask { job, request, .. } = task;
     if request.what != RunType::SingleAxis {
         return;
     }
@@ -284,17 +256,14 @@ pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems:
         let rests = request.axes.iter().any(|moving| *moving != axis);
         let place = request.rest_of(axis);
         if rests && (place < travel.low || place > travel.high) {
-            problems.push(problem(
-                job,
-                "program.rest_mm",
-                format!(
-                    "{axis} would rest at {} mm, but the travel is {} … {} mm",
-                    plain(place.mm()),
-                    travel.low.mm(),
-                    travel.high.mm()
-                ),
-                "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel",
-            ));
+            let words = format!(
+                "{axis} would rest at {} mm, but the travel is {} … {} mm",
+                plain(place.mm()),
+                travel.low.mm(),
+                travel.high.mm()
+            );
+            let help = "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel";
+            problems.push(job.problem_at("program.rest_mm", words).help(help));
         }
     }
 }
@@ -303,14 +272,14 @@ pub(super) fn refuse_rest_outside(job: &Job, request: &ProgramRequest, problems:
 const NEAR_THE_END_MM: f64 = 1.0;
 
 /// Axes that go to the very end of their travel: software limits may lie before it.
-fn near_the_end(job: &Job, request: &ProgramRequest, resolution: Resolution) -> Option<RunFinding> {
+fn near_the_end(task: RunTask<'_>) -> Option<RunFinding> {
     let near = |axis: &Axis| {
-        let (low, high) = reach(request, resolution, *axis);
-        job.machine.axes[*axis].is_some_and(|travel| {
+        let (low, high) = reach(task, *axis);
+        task.job.machine.axes[*axis].is_some_and(|travel| {
             low - travel.low.mm() < NEAR_THE_END_MM || travel.high.mm() - high < NEAR_THE_END_MM
         })
     };
-    let axes: Vec<Axis> = moving(request).into_iter().filter(near).collect();
+    let axes: Vec<Axis> = moving(task.request).into_iter().filter(near).collect();
     (!axes.is_empty()).then_some(RunFinding::NearTheEnd { axes })
 }
 

@@ -12,7 +12,7 @@
 //! Preload and overrun lie beside the cell ends by p − (p·u)u.
 
 use crate::inputs::job::{ProgramRequest, RunType};
-use crate::quantity::{Axis, Diagonal, Direction, PathKind, PerAxis, Squared};
+use crate::quantity::{Axis, Diagonal, PathKind, PerAxis, Squared, unit};
 
 /// Size of the mirror that a step diagonal needs, without the diameter of the beam; the same for
 /// all four diagonals, because their spots are mirror images.
@@ -34,24 +34,16 @@ pub(super) fn needed(request: &ProgramRequest) -> Option<MirrorSize> {
     }
     let volume = &request.volume;
     let start = volume.inside_mm(Diagonal::Ppp, PathKind::Step, 0);
-    let from_start = |node: usize| {
-        let here = volume.inside_mm(Diagonal::Ppp, PathKind::Step, node);
-        PerAxis::from_fn(|axis| here[axis] - start[axis])
-    };
-    let beyond = |mm: f64| {
-        PerAxis::from_fn(|axis| match Diagonal::Ppp.forward(axis) {
-            Direction::Plus => mm,
-            Direction::Minus => -mm,
-        })
-    };
+    let from_start =
+        |node: usize| volume.inside_mm(Diagonal::Ppp, PathKind::Step, node).minus(start);
+    let beyond = |mm: f64| PerAxis { x: mm, y: mm, z: mm }; // PPP goes ahead on every axis
     let plane = Plane::across(volume.laser(Diagonal::Ppp));
-    let overrun = if request.bidirectional { request.overrun.mm() } else { 0.0 };
     let spots = [
         plane.spot(from_start(0)),
         plane.spot(from_start(1)),
         plane.spot(from_start(2)),
         plane.spot(beyond(-request.preload.mm())),
-        plane.spot(beyond(overrun)),
+        plane.spot(beyond(overrun_mm(request))),
     ];
     let distances = spots.map(|spot| distance(spot, spots[0]));
     Some(MirrorSize {
@@ -59,6 +51,11 @@ pub(super) fn needed(request: &ProgramRequest) -> Option<MirrorSize> {
         farthest_mm: distances.into_iter().fold(0.0, f64::max),
         circle_mm: smallest_circle_mm(&spots),
     })
+}
+
+/// How far past the end point: only a run in both directions goes there.
+pub(super) fn overrun_mm(request: &ProgramRequest) -> f64 {
+    if request.bidirectional { request.overrun.mm() } else { 0.0 }
 }
 
 /// Two directions across the beam.
@@ -73,18 +70,15 @@ impl Plane {
             .into_iter()
             .min_by(|a, b| beam[*a].abs().total_cmp(&beam[*b].abs()))
             .unwrap_or(Axis::X);
-        let helper = PerAxis::from_fn(|axis| f64::from(u8::from(axis == smallest)));
-        let first = unit(beam.cross(helper));
+        let first = beam.cross(unit(smallest));
+        let length = first.length();
+        let first = PerAxis::from_fn(|axis| first[axis] / length);
         Plane { across: [first, beam.cross(first)] }
     }
 
     fn spot(&self, place: PerAxis<f64>) -> Spot {
         self.across.map(|across| across.dot(place))
     }
-}
-
-fn unit(a: PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| a[axis] / a.length())
 }
 
 fn distance(a: Spot, b: Spot) -> f64 {

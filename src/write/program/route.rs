@@ -1,11 +1,11 @@
 //! The box, the margins and the targets of a run in whole digits of the control, and the way over the nodes of
 //! one set-up, in both directions.
 
-use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid, WayBack};
-use crate::quantity::{Axis, Diagonal, Direction, Pass, PathKind, PerAxis};
-use crate::text::{Problem, Problems};
-use crate::write::program::run::problem;
-use crate::write::program::{Digits, Move, PlannedReading, Resolution, SetUpProgram, Subject};
+use crate::inputs::job::{ProgramRequest, RunType, TargetGrid, WayBack};
+use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis};
+use crate::text::Problems;
+use crate::write::grid::{LengthDigit, whole};
+use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram, Subject};
 
 /// The nodes of a set-up along the forward path.
 struct Route {
@@ -26,7 +26,11 @@ pub(super) fn programs(request: &ProgramRequest, scale: &Scale) -> Vec<SetUpProg
             .collect(),
         None => request.axes.iter().map(|axis| along_axis(scale, *axis)).collect(),
     };
-    let program = |route: &Route| Walk::new(request, scale, route).whole();
+    let program = |route| {
+        let here = PerAxis::default();
+        let walk = Walk { request, scale, route, here, moves: Vec::new(), readings: Vec::new() };
+        walk.whole()
+    };
     routes.iter().map(program).collect()
 }
 
@@ -37,15 +41,10 @@ fn along_diagonal(
     kind: PathKind,
 ) -> Route {
     let volume = &request.volume;
-    let count = |number: usize| Digits::try_from(number).unwrap_or(0);
     let node = |node: usize| {
         PerAxis::from_fn(|axis| {
-            let made = count(volume.steps_made(kind, node, axis));
-            let from_low = match diagonal.forward(axis) {
-                Direction::Plus => made,
-                Direction::Minus => count(volume.steps) - made,
-            };
-            scale.start[axis] + from_low * scale.step[axis]
+            let from_low = volume.end_at(diagonal, kind, node, axis);
+            scale.start[axis] + Digits::try_from(from_low).unwrap_or(0) * scale.step[axis]
         })
     };
     let moved = |node: usize| {
@@ -58,10 +57,7 @@ fn along_diagonal(
         nodes: nodes.clone().map(node).collect(),
         moved: nodes.clone().map(moved).collect(),
         nominal_mm: nodes.map(|node| volume.nominal_mm(diagonal, kind, node)).collect(),
-        ahead: PerAxis::from_fn(|axis| match diagonal.forward(axis) {
-            Direction::Plus => 1,
-            Direction::Minus => -1,
-        }),
+        ahead: PerAxis::from_fn(|axis| whole(diagonal.sign(axis))),
     }
 }
 
@@ -91,18 +87,7 @@ struct Walk<'a> {
     readings: Vec<PlannedReading>,
 }
 
-impl<'a> Walk<'a> {
-    fn new(request: &'a ProgramRequest, scale: &'a Scale, route: &'a Route) -> Self {
-        Walk {
-            request,
-            scale,
-            route,
-            here: PerAxis::from_fn(|_| 0),
-            moves: Vec::new(),
-            readings: Vec::new(),
-        }
-    }
-
+impl Walk<'_> {
     fn whole(mut self) -> SetUpProgram {
         let before = self.beside(0, -self.scale.preload);
         self.moves.push(Move::Approach(before));
@@ -143,7 +128,11 @@ impl<'a> Walk<'a> {
         }
         if self.request.bidirectional {
             self.moves.push(Move::Remark(format!("{name} RUN {run} REVERSE")));
-            self.turn(last);
+            if self.scale.overrun > 0 {
+                // So that every axis arrives in its reverse direction.
+                self.to(self.beside(last, self.scale.overrun));
+                self.to(self.route.nodes[last]);
+            }
             self.read(run, Pass::Reverse, last);
             for node in (0..last).rev() {
                 self.to(self.route.nodes[node]);
@@ -160,14 +149,6 @@ impl<'a> Walk<'a> {
         if run < self.request.runs || !self.request.bidirectional {
             self.to(self.beside(0, -self.scale.preload));
             self.to(self.route.nodes[0]);
-        }
-    }
-
-    /// Over the far end and back to it, so that every axis arrives in its reverse direction.
-    fn turn(&mut self, last: usize) {
-        if self.scale.overrun > 0 {
-            self.to(self.beside(last, self.scale.overrun));
-            self.to(self.route.nodes[last]);
         }
     }
 
@@ -208,7 +189,7 @@ pub(super) fn readings_of(request: &ProgramRequest) -> usize {
 
 /// A run's lengths in digits.
 pub(super) struct Scale {
-    pub(super) resolution: Resolution,
+    pub(super) resolution: LengthDigit,
     pub(super) start: PerAxis<Digits>,
     pub(super) step: PerAxis<Digits>,
     pub(super) rest: PerAxis<Digits>,
@@ -218,29 +199,9 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Refused where a length is not a whole number of digits: the control would round it, and the
-    /// readings would hold the rounding as a deviation of the machine.
-    pub(super) fn of(
-        job: &Job,
-        request: &ProgramRequest,
-        resolution: Resolution,
-    ) -> Result<Scale, Problems> {
-        let mut problems = Problems::none();
-        for axis in Axis::ALL {
-            let moves = moving(request).contains(&axis);
-            if moves && resolution.digits(request.volume.start[axis].mm()).is_none() {
-                problems.push(start_between_digits(job, request, resolution, axis));
-            }
-        }
-        for axis in Axis::ALL {
-            refuse_step(job, request, resolution, axis, &mut problems);
-        }
-        problems.or_ok(Scale::nearest(request, resolution))
-    }
-
     /// Every length as the nearest whole number of digits; preload and overrun as the next larger one. They
     /// and the places of rest are no nodes: nothing is measured against them.
-    pub(super) fn nearest(request: &ProgramRequest, resolution: Resolution) -> Scale {
+    pub(super) fn nearest(request: &ProgramRequest, resolution: LengthDigit) -> Scale {
         let volume = &request.volume;
         let start = PerAxis::from_fn(|axis| resolution.nearest(volume.start[axis].mm()));
         let step = PerAxis::from_fn(|axis| resolution.nearest(volume.step_mm(axis)));
@@ -258,32 +219,30 @@ impl Scale {
     }
 }
 
-fn start_between_digits(
-    job: &Job,
-    request: &ProgramRequest,
-    resolution: Resolution,
-    axis: Axis,
-) -> Problem {
-    let mm = request.volume.start[axis].mm();
+/// Lengths that are no whole number of digits: the control would round them, and the readings would hold the
+/// rounding as a deviation of the machine.
+pub(super) fn refuse_between_digits(task: RunTask<'_>, problems: &mut Problems) {
+    let (request, resolution) = (task.request, task.resolution());
     let path = request.size_path.replace("size_mm", "start_mm");
-    problem(
-        job,
-        &format!("{path}.{}", axis.key()),
-        format!(
-            "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
-            resolution.digit_words()
-        ),
-        format!("the nearest is {} mm", resolution.mm(resolution.nearest(mm))),
-    )
+    for axis in Axis::ALL.into_iter().filter(|axis| moving(request).contains(axis)) {
+        let mm = request.volume.start[axis].mm();
+        if resolution.digits(mm).is_none() {
+            let words = format!(
+                "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
+                resolution.words()
+            );
+            let problem = task.job.problem_at(&format!("{path}.{}", axis.key()), words);
+            let nearest = resolution.mm(resolution.nearest(mm));
+            problems.push(problem.help(format!("the nearest is {nearest} mm")));
+        }
+    }
+    for axis in Axis::ALL {
+        refuse_step(task, axis, problems);
+    }
 }
 
-fn refuse_step(
-    job: &Job,
-    request: &ProgramRequest,
-    resolution: Resolution,
-    axis: Axis,
-    problems: &mut Problems,
-) {
+fn refuse_step(task: RunTask<'_>, axis: Axis, problems: &mut Problems) {
+    let (request, resolution) = (task.request, task.resolution());
     let (size, steps) = (request.volume.size[axis].mm(), request.volume.steps);
     let step = request.volume.step_mm(axis);
     let unused = request.what == RunType::SingleAxis
@@ -293,18 +252,14 @@ fn refuse_step(
     }
     let below = resolution.at_most(step).max(1);
     let nearest = resolution.mm(below * i64::try_from(steps).unwrap_or(1));
-    problems.push(problem(
-        job,
-        &format!("{}.{}", request.size_path, axis.key()),
-        format!(
-            "{size} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
-            resolution.digit_words()
-        ),
-        format!(
-            "the nearest below is {nearest} mm ({steps} x {} mm)",
-            resolution.mm(below)
-        ),
-    ));
+    let words = format!(
+        "{size} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
+        resolution.words()
+    );
+    let problem = task.job.problem_at(&format!("{}.{}", request.size_path, axis.key()), words);
+    let below = resolution.mm(below);
+    problems
+        .push(problem.help(format!("the nearest below is {nearest} mm ({steps} x {below} mm)")));
 }
 
 /// Golden section: its multiples fill an interval evenly, and no period of a machine meets them.
@@ -315,7 +270,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// |r_0|, the last by |r_n|, so all lie in the box. The shifts are the same in every version.
 fn targets(
     request: &ProgramRequest,
-    resolution: Resolution,
+    resolution: LengthDigit,
     axis: Axis,
     start: Digits,
     step: Digits,

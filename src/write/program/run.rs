@@ -3,44 +3,27 @@
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Profile, builtin};
 use crate::inputs::job::{Job, ProgramRequest};
-use crate::quantity::{Axis, Diagonal, Pass, PerAxis, Squared, power_of_ten};
+use crate::quantity::{Axis, Diagonal, Pass, PerAxis, Squared};
 use crate::text::{Finding, Problem};
-use crate::write::grid::{as_number, whole};
+use crate::write::control_text::with_point;
+use crate::write::grid::{LengthDigit, as_number, whole};
 use crate::write::program::mirror::MirrorSize;
 
 /// A length as a number of the control's last digits.
 pub type Digits = i64;
 
-/// What one last digit is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Resolution {
-    /// Basic system of the control.
-    pub unit: ControlUnit,
-    /// Decimals of a position in that unit.
-    pub decimals: u32,
-}
-
 /// How far a length may be from whole digits to be one: what binary numbers add, not a length.
 const WHOLE: f64 = 1e-4;
 
-impl Resolution {
-    /// One last digit, mm.
-    pub(crate) fn digit_mm(self) -> f64 {
-        self.unit.in_mm() / self.per_unit()
-    }
-
+impl LengthDigit {
     /// One last digit for people.
-    pub(crate) fn digit_words(self) -> String {
-        let decimals = usize::try_from(self.decimals).unwrap_or(0);
-        let digit = format!("{:.*} {}", decimals, 1.0 / self.per_unit(), self.unit.word());
+    pub(super) fn words(self) -> String {
+        let digit = 1.0 / self.per_unit();
+        let digit = format!("{digit:.*} {}", self.decimals as usize, self.unit.word());
         match self.unit {
             ControlUnit::Millimetre => digit,
             ControlUnit::Inch => format!("{digit} ({} mm)", self.mm(1)),
         }
-    }
-
-    fn per_unit(self) -> f64 {
-        power_of_ten(self.decimals)
     }
 
     /// A length in mm.
@@ -72,11 +55,7 @@ impl Resolution {
 
     /// A length as it stands in a program, in the control's unit; never `-0`.
     pub fn text(self, digits: Digits) -> String {
-        let places = usize::try_from(self.decimals).unwrap_or(0);
-        let sign = if digits < 0 { "-" } else { "" };
-        let all = format!("{:0>width$}", digits.unsigned_abs(), width = places + 1);
-        let (whole, part) = all.split_at(all.len() - places);
-        format!("{sign}{whole}.{part}")
+        with_point(digits, self.decimals as usize)
     }
 }
 
@@ -146,7 +125,7 @@ pub struct SetUpProgram {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuringRun {
     /// The last digit of a position.
-    pub resolution: Resolution,
+    pub resolution: LengthDigit,
     /// One program for each set-up.
     pub programs: Vec<SetUpProgram>,
     /// What the mirror has to cover; step diagonals only.
@@ -183,9 +162,9 @@ impl<'a> RunTask<'a> {
     }
 
     /// The last digit of a position.
-    pub fn resolution(&self) -> Resolution {
+    pub fn resolution(&self) -> LengthDigit {
         let unit = self.job.compensation.control_unit;
-        Resolution { unit, decimals: self.facts.decimals(unit) }
+        LengthDigit { unit, decimals: self.facts.decimals(unit) }
     }
 }
 
@@ -252,23 +231,18 @@ impl SetUpProgram {
     }
 }
 
-/// A problem at a key of the job's `[program]`.
-pub(super) fn problem(job: &Job, path: &str, message: String, help: impl ToString) -> Problem {
-    job.problem_at(path, message).help(help)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const MICRON: Resolution = Resolution { unit: ControlUnit::Millimetre, decimals: 3 };
+    const MICRON: LengthDigit = LengthDigit { unit: ControlUnit::Millimetre, decimals: 3 };
 
     #[test]
     fn a_length_is_written_with_all_its_digits() {
         assert_eq!(MICRON.text(-1), "-0.001");
         assert_eq!(MICRON.text(0), "0.000");
         assert_eq!(MICRON.text(900_000), "900.000");
-        let ten_thousandth = Resolution { unit: ControlUnit::Inch, decimals: 4 };
+        let ten_thousandth = LengthDigit { unit: ControlUnit::Inch, decimals: 4 };
         assert_eq!(ten_thousandth.digits(25.4), Some(10_000));
         assert_eq!(ten_thousandth.text(10_000), "1.0000");
     }

@@ -10,12 +10,8 @@ use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
 
 pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Seen {
-    let Emitted { task, compiled, instead, .. } = *emitted;
-    let digits = Digits { facts, as_read: instead.as_read };
-    let placements = match instead.names_terms {
-        true => compiled.placements.as_slice(),
-        false => &[],
-    };
+    let Emitted { task, compiled, placements, as_read, .. } = *emitted;
+    let digits = Digits { facts, as_read };
     let of_table = |table| of_table(table, placements, digits);
     let held = |table| held(&compiled.state, facts, table);
     seen! {
@@ -31,7 +27,7 @@ pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &Sie
         "controller_reference": task.reference_text(),
         "lec_at_reference": zero_but_for(task, tables.lec().filter_map(held)),
         "cec_at_reference": zero_but_for(task, tables.cec().filter_map(held)),
-        "switches": instead.switches.iter().map(Switch::seen).collect::<Vec<Seen>>(),
+        "switches": emitted.switches.iter().map(Switch::seen).collect::<Vec<Seen>>(),
     }
 }
 

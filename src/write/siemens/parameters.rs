@@ -17,8 +17,7 @@ pub(crate) fn is_lec(planned: &PlannedTable) -> bool {
 
 /// Index of the measuring system of an axis in the files: 0 = the first.
 pub(crate) fn encoder(task: Task<'_>, axis: Axis) -> u32 {
-    let system = task.job.compensation.axes[axis].as_ref().and_then(|s| s.measuring_system);
-    system.unwrap_or(1) - 1
+    task.settings(axis).and_then(|s| s.measuring_system).unwrap_or(1) - 1
 }
 
 /// MD32450 as it is named: four decimals of a millimetre, five of an inch.
@@ -28,17 +27,16 @@ pub(super) fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
         ControlUnit::Millimetre => 4,
         ControlUnit::Inch => 5,
     };
-    let text = format!("{:.decimals$}", Figure(um / (unit.in_mm() * UM_PER_MM)));
+    let text = format!("{:.decimals$}", Figure(um / task.unit_um()));
     let rounded_um = text.parse::<f64>().unwrap_or(0.0) * unit.in_mm() * UM_PER_MM;
     (format!("{text} {}", unit.word()), rounded_um)
 }
 
 /// Largest sum of CEC corrections of any output axis, µm ([`SiemensTables::largest_cec_sum`]).
 pub(super) fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
-    let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
     let sums = tables.cec_outputs().into_iter();
     let sums = sums.map(|output| tables.largest_cec_sum(&output));
-    sums.fold(0.0, f64::max) * um_per_unit
+    sums.fold(0.0, f64::max) * task.unit_um()
 }
 
 /// What a table holds at the reference point of its base axis, in the unit of the file.
@@ -55,8 +53,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -
     let mut assumptions = Vec::new();
     let has_lec = |axis: Axis| plan.of_axis(axis).any(is_lec);
     for axis in Axis::ALL {
-        let settings = task.job.compensation.axes[axis].as_ref();
-        if has_lec(axis) && settings.is_some_and(|s| s.measuring_system.is_none()) {
+        if has_lec(axis) && task.settings(axis).is_some_and(|s| s.measuring_system.is_none()) {
             assumptions.push(Assumption::of_job(
                 format!("measuring_system_{}", axis.key()),
                 "1 (motor encoder)",
@@ -179,7 +176,7 @@ fn max_sum_precondition(task: Task<'_>, tables: &SiemensTables) -> Precondition 
     };
     let digits = power_of_ten(decimals);
     let in_unit = |um: f64| {
-        let length = (um / (unit.in_mm() * UM_PER_MM) * digits - 1e-6).ceil() / digits;
+        let length = (um / task.unit_um() * digits - 1e-6).ceil() / digits;
         format!("{:.*} {}", decimals as usize, Figure(length), unit.word())
     };
     Precondition::new(
