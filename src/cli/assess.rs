@@ -3,7 +3,7 @@
 mod page;
 mod text;
 
-use crate::cli::outcome::{Outcome, PlotOnly, Print, positive};
+use crate::cli::outcome::{Outcome, Shows, positive};
 use crate::cli::tables::AskedTables;
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
@@ -52,9 +52,7 @@ pub(super) struct Options {
     #[arg(long, value_parser = chain_word)]
     chain: Option<Chain>,
     #[command(flatten)]
-    plot: PlotOnly,
-    #[command(flatten)]
-    print: Print,
+    shows: Shows,
 }
 
 fn three<T: Copy>(text: &str, read: impl Fn(&str) -> Option<T>) -> Option<PerAxis<T>> {
@@ -67,10 +65,7 @@ fn grid_word(text: &str) -> Result<GridChoice, String> {
     if text == "nodes" {
         return Ok(GridChoice::OwnNodes);
     }
-    let count = |part: &str| {
-        let count: usize = part.parse().ok()?;
-        (1..=MOST_NODES).contains(&count).then_some(count)
-    };
+    let count = |part: &str| part.parse().ok().filter(|count| (1..=MOST_NODES).contains(count));
     let counts = three(text, count);
     counts
         .filter(|n| n.x * n.y * n.z <= MOST_POINTS)
@@ -94,8 +89,7 @@ fn chain_word(text: &str) -> Result<Chain, String> {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let page = page(options, files)?;
-    let outcome = options.print.outcome(|| text::screen(&page), || &page)?;
-    options.plot.beside(outcome, |locale| page.picture(locale))
+    options.shows.outcome(|| text::screen(&page), || &page, |locale| page.picture(locale))
 }
 
 fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
@@ -118,33 +112,26 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
 }
 
 /// Nodes of each axis in a report: enough for its pictures.
-const NODES_OF_REPORT: usize = 11;
-
-fn grid_of_report() -> GridChoice {
-    GridChoice::Equal(PerAxis::from_fn(|_| NODES_OF_REPORT))
-}
+const GRID_OF_REPORT: GridChoice = GridChoice::Equal(PerAxis { x: 11, y: 11, z: 11 });
 
 /// The page of a report, with the tables of a control where there are any.
 pub(super) fn for_report(inputs: &Inputs, loaded: Option<&Loaded<'_>>) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let request = request_of_report(&volume)?;
     let corrected = loaded.map(|loaded| Corrected::of(&volume, loaded));
-    page_of_job(grid_of_report(), corrected.transpose()?, &request, inputs, volume)
+    page_of_job(GRID_OF_REPORT, corrected.transpose()?, &request, inputs, volume)
 }
 
 /// The page of a report of an error table alone, with its least job and its errors.
-pub(super) fn of_table_for_report(file: &Given<'_>) -> Result<(Job, ErrorModel, Page), Problems> {
+pub(super) fn of_table_for_report(file: &Given<'_>) -> Result<OfTable, Problems> {
     let table = page::of_table(file, None)?;
-    let (job, model) = (table.job.clone(), table.model.clone());
     let request = request_of_report(&table.volume)?;
-    let name = file_name(Path::new(&file.name));
-    let page = figures_of_table(&name, table, grid_of_report(), &request)?;
-    Ok((job, model, page))
+    figures_of_table(file_name(Path::new(&file.name)), table, GRID_OF_REPORT, &request)
 }
 
 /// With bins that suit the differences.
 fn request_of_report(volume: &VolumeModel) -> Result<Request, Problem> {
-    let nodes = Grid::of(grid_of_report(), volume, &[])?;
+    let nodes = Grid::of(GRID_OF_REPORT, volume, &[])?;
     Ok(Request { histogram_um: Some(bin_um(va_um(volume, &nodes)?)), ..Request::default() })
 }
 
@@ -171,7 +158,7 @@ fn page_of_job(
     }
     let name = inputs.job.machine.name.clone();
     let before = assess(&volume, &nodes, request)?;
-    let found = Found::of(&inputs.job, inputs.as_measured(), Some(&inputs.errors))?;
+    let found = Found::of(&inputs.job, inputs.as_measured(), Some(&inputs.errors));
     let mut page = Page::of(name, volume, grid, basis, found, before);
     page.after = corrected.map(after).transpose()?;
     Ok(page)
@@ -183,29 +170,32 @@ fn va_um(volume: &VolumeModel, grid: &Grid) -> Result<f64, Problem> {
 }
 
 fn page_of_table(options: &Options, request: &Request, file: &Given<'_>) -> Result<Page, Problems> {
-    let name = &file.name;
     if options.tables.is_any() {
         return Err(Problem::new(format!(
-            "`{name}` is an error table, which names no control: tables cannot be read or made for it"
+            "`{}` is an error table, which names no control: tables cannot be read or made for it",
+            file.name
         ))
         .help("give the job that names it")
         .into());
     }
     let table = page::of_table(file, options.chain)?;
     check(&table.volume, options)?;
-    figures_of_table(name, table, options.grid, request)
+    Ok(figures_of_table(file.name.clone(), table, options.grid, request)?.2)
 }
 
+/// A least job, the errors of the table, and their page.
+type OfTable = (Job, ErrorModel, Page);
+
 fn figures_of_table(
-    name: &str,
-    table: Table,
+    name: String,
+    Table { job, model, volume, basis }: Table,
     grid: GridChoice,
     request: &Request,
-) -> Result<Page, Problems> {
-    let nodes = Grid::of(grid, &table.volume, &[])?;
-    let before = assess(&table.volume, &nodes, request)?;
-    let found = Found::of(&table.job, &table.model, None)?;
-    Ok(Page::of(name.to_string(), table.volume, grid, table.basis, found, before))
+) -> Result<OfTable, Problems> {
+    let nodes = Grid::of(grid, &volume, &[])?;
+    let before = assess(&volume, &nodes, request)?;
+    let page = Page::of(name, volume, grid, basis, Found::of(&job, &model, None), before);
+    Ok((job, model, page))
 }
 
 /// `--chain` is for a job that states none.
@@ -226,36 +216,26 @@ fn take_chain(inputs: &mut Inputs, stated: Option<Chain>) -> Result<(), Problem>
 
 /// A sub-volume must fit into the volume, and one node of a length says nothing of it.
 fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
-    check_grid(volume, options.grid)?;
-    let Some(size) = options.window else {
-        return Ok(());
-    };
-    for axis in Axis::ALL {
-        let (low, high) = volume.range(axis);
-        if size[axis] > high - low {
-            return Err(Problem::new(format!(
-                "the sub-volume is {} mm long in {axis}, but the volume only {} mm",
-                size[axis],
-                text::short(high - low)
-            ))
-            .help("give the size of a part that fits, in mm, as X,Y,Z"));
-        }
-    }
-    Ok(())
-}
-
-fn check_grid(volume: &VolumeModel, grid: GridChoice) -> Result<(), Problem> {
-    let GridChoice::Equal(counts) = grid else {
-        return Ok(());
-    };
-    for axis in Axis::ALL {
-        let (low, high) = volume.range(axis);
-        if counts[axis] == 1 && high > low {
+    let lengths = Axis::ALL.map(|axis| (axis, volume.range(axis).1 - volume.range(axis).0));
+    for (axis, length) in lengths {
+        if let GridChoice::Equal(counts) = options.grid
+            && counts[axis] == 1
+            && length > 0.0
+        {
             return Err(Problem::new(format!(
                 "`--grid` has one node in {axis}, but {axis} is judged over {} mm, of which one place says nothing",
-                text::short(high - low)
+                text::short(length)
             ))
             .help("give at least 2 nodes, or leave `--grid` out: the nodes are then those of the measurement"));
+        }
+    }
+    for (axis, length) in lengths {
+        if let Some(size) = options.window.map(|size| size[axis]).filter(|size| *size > length) {
+            return Err(Problem::new(format!(
+                "the sub-volume is {size} mm long in {axis}, but the volume only {} mm",
+                text::short(length)
+            ))
+            .help("give the size of a part that fits, in mm, as X,Y,Z"));
         }
     }
     Ok(())

@@ -71,7 +71,7 @@ pub(super) fn run(
         let asked = questions.take(AT_ONCE * pool.current_num_threads())?;
         if asked.is_empty() {
             questions.progress.finish_and_clear();
-            return Ok(Outcome::bytes(Vec::new()).answering(all_yes));
+            break;
         }
         let answers: Vec<Answered> =
             pool.install(|| asked.par_iter().map(|(_, question)| answered(question)).collect());
@@ -84,13 +84,12 @@ pub(super) fn run(
         match &mut file {
             Some(file) => file.write_all(&lines).map_err(|e| not_put_out(&e))?,
             None => match out.write_all(&lines).and_then(|()| out.flush()) {
-                Err(error) if is_reader_gone(&error) => {
-                    return Ok(Outcome::bytes(Vec::new()).answering(all_yes));
-                }
+                Err(error) if is_reader_gone(&error) => break,
                 written => written.map_err(|e| not_put_out(&e))?,
             },
         }
     }
+    Ok(Outcome::bytes(Vec::new()).answering(all_yes))
 }
 
 /// How the answer to a question begins: its exit status follows.

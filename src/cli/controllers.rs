@@ -68,10 +68,6 @@ pub(super) fn run(command: Option<&Command>, files: &dyn Files) -> Result<Outcom
     }
 }
 
-fn page(text: String) -> Screen {
-    Screen { verdict: text, ..Screen::default() }
-}
-
 fn list(print: Print) -> Result<Outcome, Problems> {
     let profiles = builtin::ids().into_iter().map(builtin::profile);
     let profiles: Vec<Profile> = profiles.collect::<Result<_, _>>()?;
@@ -84,7 +80,10 @@ fn list(print: Print) -> Result<Outcome, Problems> {
     });
     let heading = "id\tcontrol\t>facts\t>manual\t>assumed\t>executed";
     let list = || profiles.iter().map(summary_json).collect::<Vec<Value>>();
-    print.outcome(|| page(table(heading, rows)), || json!({ "schema": 1, "controllers": list() }))
+    print.outcome(
+        || Screen::of(table(heading, rows)),
+        || json!({ "schema": 1, "controllers": list() }),
+    )
 }
 
 fn count(profile: &Profile, evidence: Evidence) -> usize {
@@ -112,7 +111,7 @@ fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome
         };
         return Ok(Outcome::text(&page));
     }
-    print.outcome(|| page(profile_text(&profile)), || profile_json(&profile))
+    print.outcome(|| Screen::of(profile_text(&profile)), || profile_json(&profile))
 }
 
 fn profile_json(profile: &Profile) -> Value {
@@ -220,7 +219,7 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
         profile.id,
         kit.files.len()
     );
-    let outcome = print.outcome(|| page(files_text(&profile)), || profile_json(&profile))?;
+    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || profile_json(&profile))?;
     Ok(outcome.saying(print.detail, valid))
 }
 

@@ -5,63 +5,44 @@ use crate::cli::screen::table;
 use crate::cli::show::um;
 use crate::inputs::target_runs::Runs;
 use crate::machine::separation::readings::diagonal_runs;
-use crate::machine::standards::iso_230_2::{AxisFigures, figures};
+use crate::machine::standards::iso_230_2::AxisFigures;
 use crate::machine::standards::{DiagonalFigures, Diagonals, diagonal};
 use crate::page::{Locale, Picture, targets};
-use crate::quantity::{Diagonal, Direction, PathKind, Run, Volume};
+use crate::quantity::{Diagonal, PathKind, Run, Volume};
 use crate::text::Problem;
 use serde_json::{Value, json};
 
-/// The runs of the four diagonals, and their figures by standard.
-pub(super) struct StandardFigures {
-    /// By the name of their diagonal.
-    pub(super) runs: Vec<(&'static str, Runs)>,
-    /// Figures of every diagonal and of all four, with the label of the motion.
-    pub(super) all: Diagonals,
+/// `runs`: only those that count from the start of the forward run, or the two directions
+/// cannot be compared; `length_is_known`: whether somebody knows the size of the box.
+pub(super) fn by_standard(
+    volume: &Volume,
+    kind: PathKind,
+    runs: &[Run],
+    length_is_known: bool,
+) -> Result<Diagonals, Problem> {
+    let each = Diagonal::ALL.into_iter();
+    let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
+    let runs = each.collect::<Result<Vec<_>, Problem>>()?;
+    let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
+    Ok(diagonal(&named, kind, length_is_known))
 }
 
-impl StandardFigures {
-    /// `runs`: only those that count from the start of the forward run, or the two directions
-    /// cannot be compared; `length_is_known`: whether somebody knows the size of the box.
-    pub(super) fn of(
-        volume: &Volume,
-        kind: PathKind,
-        runs: &[Run],
-        length_is_known: bool,
-    ) -> Result<StandardFigures, Problem> {
-        let each = Diagonal::ALL.into_iter();
-        let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
-        let runs = each.collect::<Result<Vec<_>, Problem>>()?;
-        let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
-        let all = diagonal(&named, kind, length_is_known);
-        Ok(StandardFigures { runs, all })
-    }
-
-    /// Every diagonal with its runs and its figures.
-    pub(super) fn each(&self) -> impl Iterator<Item = (&'static str, &Runs, &DiagonalFigures)> {
-        let each = self.runs.iter().zip(&self.all.diagonals);
-        each.map(|((name, runs), figures)| (*name, runs, figures))
-    }
-
+impl Diagonals {
     /// Means and bands along each diagonal, with words for its length.
     pub(super) fn picture(&self, locale: Locale<'_>, heading: &str, across: &str) -> Picture {
-        let each = self.runs.iter().map(|(name, runs)| (name.to_string(), figures(runs)));
-        let each: Vec<_> = each.collect();
-        let named: Vec<_> = each.iter().map(|(name, of)| (name.clone(), of)).collect();
-        targets(locale, heading, across, &named)
+        let named = self.diagonals.iter().map(|of| (of.name.clone(), &of.figures));
+        targets(locale, heading, across, &named.collect::<Vec<_>>())
     }
 
     /// Every figure of every diagonal; what no diagonal has gets no column.
     pub(super) fn table(&self) -> String {
-        let diagonals = &self.all.diagonals;
-        let is_there = |name: &&&str| {
-            let mut all = diagonals.iter();
-            all.any(|of| figure(&of.figures, name).is_some())
-        };
+        let diagonals = &self.diagonals;
+        let is_there =
+            |name: &&&str| diagonals.iter().any(|of| figure(&of.figures.axis, name).is_some());
         let there: Vec<&str> = FIGURES.iter().filter(is_there).copied().collect();
         let headings = there.iter().map(|name| format!("\t>{}", name.replace('_', " ")));
         let rows = diagonals.iter().map(|of| {
-            let figures = there.iter().map(|name| um(figure(&of.figures, name)) + "\t");
+            let figures = there.iter().map(|name| um(figure(&of.figures.axis, name)) + "\t");
             format!("{}\t{}{}", of.name, figures.collect::<String>(), um(of.range_um))
         });
         let heading = format!("diagonal, µm{}\t>max - min", headings.collect::<String>());
@@ -70,9 +51,8 @@ impl StandardFigures {
 
     /// The table of the diagonals as they were read, with their far ends and the figures of all four.
     pub(super) fn as_read(&self, end_um: impl Fn(Diagonal) -> f64) -> String {
-        let figures = &self.all;
         let ends = Diagonal::ALL.map(|d| format!("{d} {}", um(Some(end_um(d)))));
-        let machine = match (figures.e_d_um, figures.b_d_um) {
+        let machine = match (self.e_d_um, self.b_d_um) {
             (Some(e_d), Some(b_d)) => {
                 format!("machine: E_d {e_d:.3} µm, B_d {b_d:.3} µm (largest of the four)")
             }
@@ -82,11 +62,11 @@ impl StandardFigures {
         };
         format!(
             "Body diagonals as read (corrected readings, no compensation forecast), {}\n{}\nfar end less start, mean of all runs (µm): {}\nlargest range {} µm; over all four {} µm\n{machine}",
-            figures.label,
+            self.label,
             self.table(),
             ends.join(", "),
-            um(figures.largest_range_um),
-            um(figures.range_over_all_um),
+            um(self.largest_range_um),
+            um(self.range_over_all_um),
         )
     }
 }
@@ -101,17 +81,17 @@ fn figure(of: &AxisFigures, wanted: &str) -> Option<f64> {
 }
 
 /// Every figure of a diagonal.
-pub(super) fn diagonal_json(runs: &Runs, of: &DiagonalFigures) -> Value {
+pub(super) fn diagonal_json(of: &DiagonalFigures) -> Value {
     let range = ("range", of.range_um);
     joined([
-        json!({ "targets": runs.targets_mm().len(), "runs": counts(runs) }),
-        named_um(of.figures.named_um().into_iter().chain([range])),
+        json!({ "targets": of.figures.targets.len(), "runs": counts(of.runs) }),
+        named_um(of.figures.axis.named_um().into_iter().chain([range])),
     ])
 }
 
 /// How many runs there are of each direction.
-pub(super) fn counts(runs: &Runs) -> Value {
-    json!({ "up": runs.count(Direction::Plus), "down": runs.count(Direction::Minus) })
+pub(super) fn counts([up, down]: [usize; 2]) -> Value {
+    json!({ "up": up, "down": down })
 }
 
 /// Figures under their letter and unit; `null` where one is absent.

@@ -207,5 +207,5 @@ fn screen(chain: &Chain) -> Screen {
             "the chain begins here: no tables of a predecessor are contained".to_string()
         }
     });
-    Screen { verdict: lines.join("\n"), ..Screen::default() }
+    Screen::of(lines.join("\n"))
 }

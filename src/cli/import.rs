@@ -22,8 +22,21 @@ pub(super) struct Options {
     /// The measurement, or with a form the list of an axis; `-` = standard input
     #[arg(required_unless_present = "form")]
     file: Option<PathBuf>,
-    #[command(flatten)]
-    lists: Lists,
+    /// Fill in these readings, as `new` and `program` write them, from lists of captures
+    #[arg(long)]
+    form: Option<PathBuf>,
+    /// With a form: the list of the diagonal PPP
+    #[arg(long, value_name = "FILE", requires = "form")]
+    ppp: Option<PathBuf>,
+    /// With a form: that of NPP
+    #[arg(long, value_name = "FILE", requires = "form")]
+    npp: Option<PathBuf>,
+    /// With a form: that of PNP
+    #[arg(long, value_name = "FILE", requires = "form")]
+    pnp: Option<PathBuf>,
+    /// With a form: that of PPN
+    #[arg(long, value_name = "FILE", requires = "form")]
+    ppn: Option<PathBuf>,
     /// Format of the file [default: by what stands in it]
     #[arg(long, value_name = "FORMAT")]
     from: Option<import::Format>,
@@ -38,7 +51,7 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
-    if let Some(form) = &options.lists.form {
+    if let Some(form) = &options.form {
         return fill_in(options, form, files);
     }
     options.output.ensure_new(files, "the error table")?;
@@ -123,32 +136,12 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
     })
 }
 
-// Lists of captures, and the form that says where they were taken.
-#[derive(Args, Debug)]
-struct Lists {
-    /// Fill in these readings, as `new` and `program` write them, from lists of captures
-    #[arg(long)]
-    form: Option<PathBuf>,
-    /// With a form: the list of the diagonal PPP
-    #[arg(long, value_name = "FILE", requires = "form")]
-    ppp: Option<PathBuf>,
-    /// With a form: that of NPP
-    #[arg(long, value_name = "FILE", requires = "form")]
-    npp: Option<PathBuf>,
-    /// With a form: that of PNP
-    #[arg(long, value_name = "FILE", requires = "form")]
-    pnp: Option<PathBuf>,
-    /// With a form: that of PPN
-    #[arg(long, value_name = "FILE", requires = "form")]
-    ppn: Option<PathBuf>,
-}
-
 /// Fills the form in; a file without diagonal is the list of an axis.
 fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the readings")?;
     let (name, bytes) = files.form(form, options.output.place())?;
     let form = Source::from_bytes(&name, &bytes)?;
-    let Lists { ppp, npp, pnp, ppn, .. } = &options.lists;
+    let Options { ppp, npp, pnp, ppn, .. } = options;
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
     let named = of_diagonals.chain([(None, &options.file)]);
     let named = named.filter_map(|(of, file)| Some((of, file.as_deref()?)));
@@ -165,6 +158,6 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
         "lists": sources.collect::<Vec<Value>>(),
         "stated": statements(&options.stated),
     });
-    let screen = || Screen { verdict, ..Screen::default() };
+    let screen = || Screen::of(verdict);
     options.output.deliver(Some(held(text)), screen, || document, "")
 }

@@ -2,10 +2,10 @@
 //! the talk. Where one of the first two fails, nothing is written.
 //! `--plot FILE` adds what was found as a picture: in English, mm and µm.
 
-use crate::cli::screen::{Detail, Screen};
+use crate::cli::screen::{Detail, Screen, spoken};
 use crate::kit::manifest;
 use crate::page::{Locale, Picture, Shown, Texts};
-use crate::text::{Problem, Problems, plain};
+use crate::text::{Problem, Problems};
 use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -200,8 +200,7 @@ impl Outcome {
 
     /// A page for people.
     pub(super) fn text(page: &str) -> Outcome {
-        let page = format!("{}\n", plain::page(page.trim_end()));
-        Outcome::bytes(page.into_bytes())
+        Outcome::bytes(spoken(page).into_bytes())
     }
 
     /// A document for scripts: its figures rounded as in a manifest.
@@ -294,14 +293,16 @@ pub(super) struct Plot {
     plot: Option<PathBuf>,
 }
 
-/// The option of a command that writes nothing but the picture.
+/// The options of a command that prints, and writes nothing but the picture.
 #[derive(Args, Debug)]
-pub(super) struct PlotOnly {
+pub(super) struct Shows {
     #[command(flatten)]
     plot: Plot,
     /// Replace the picture that is there
     #[arg(long, requires = "plot")]
     force: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Plot {
@@ -323,14 +324,15 @@ impl Plot {
     }
 }
 
-impl PlotOnly {
-    /// The same outcome with the picture, if one is asked for.
-    pub(super) fn beside(
+impl Shows {
+    /// The screen or the document, with the picture, if one is asked for.
+    pub(super) fn outcome<D: Serialize>(
         &self,
-        outcome: Outcome,
+        screen: impl FnOnce() -> Screen,
+        document: impl FnOnce() -> D,
         picture: impl FnOnce(Locale<'_>) -> Picture,
     ) -> Result<Outcome, Problems> {
-        self.plot.beside(outcome, self.force, picture)
+        self.plot.beside(self.print.outcome(screen, document)?, self.force, picture)
     }
 }
 

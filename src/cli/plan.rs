@@ -126,16 +126,12 @@ impl Page<'_> {
         let labels: Vec<&Finding> = labels.filter(|label| !is_noise(label)).collect();
         let lines = [Some(self.answer()), self.decided(), Some(self.proposed()), self.likely()];
         let lines: Vec<String> = lines.into_iter().flatten().collect();
+        let asked = self.design.noise_asked().into_iter().map(|finding| finding.to_string());
+        let short = described.shortcomings().into_iter().map(|of| format!("as described: {of}"));
         Screen {
             verdict: format!("{}: {}", self.machine, lines.join("\n")),
             figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
-            findings: self
-                .design
-                .noise_asked()
-                .iter()
-                .map(ToString::to_string)
-                .chain(described.shortcomings().iter().map(said))
-                .collect(),
+            findings: asked.chain(short).collect(),
             more: vec![More::new(
                 labels.len(),
                 ["label", "labels"],
@@ -179,20 +175,21 @@ impl Page<'_> {
             None => "determines all wanted errors",
             Some(_) => "reaches the acceptance by its forecast",
         };
-        match self.found.forecast {
-            None => format!("no variant {aim}"),
-            Some(index) => format!("the quickest that {aim}: {}", self.named(index)),
-        }
+        self.quickest(self.found.forecast, "the quickest that", aim)
     }
 
     /// What will pass after loading, too.
     fn likely(&self) -> Option<String> {
         self.limits()?;
         let aim = "passes its second measurement with 80 % or more";
-        Some(match self.found.second {
-            None => format!("no variant {aim}"),
-            Some(index) => format!("the quickest that also {aim}: {}", self.named(index)),
-        })
+        Some(self.quickest(self.found.second, "the quickest that also", aim))
+    }
+
+    fn quickest(&self, found: Option<usize>, which: &str, aim: &str) -> String {
+        found.map_or_else(
+            || format!("no variant {aim}"),
+            |index| format!("{which} {aim}: {}", self.named(index)),
+        )
     }
 
     /// A visit by its letter, with what it needs of the tables.
@@ -226,10 +223,6 @@ impl Page<'_> {
             rows,
         )
     }
-}
-
-fn said(shortcoming: &Finding) -> String {
-    format!("as described: {shortcoming}")
 }
 
 /// a, b, c …

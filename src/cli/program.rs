@@ -7,7 +7,7 @@ use crate::inputs::job::{Job, MeasuredData, RunType, TargetGrid, UseOf};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::{Axis, Figure};
-use crate::text::{Line, Problems, Source, header_and_rows};
+use crate::text::{Line, Problems, Source, counted, header_and_rows};
 use crate::visit::files::{Files, printed};
 use crate::visit::job_files::{Given, JobFiles};
 use crate::write::emit::program::FileRole;
@@ -106,10 +106,7 @@ fn motion(kit: &ProgramKit) -> String {
         (false, _) => format!("return pass not measured ({})", request.way_back.word()),
     };
     let minutes = kit.run.duration_s(request) / 60.0;
-    let runs = match request.runs {
-        1 => "1 run".to_string(),
-        runs => format!("{runs} runs"),
-    };
+    let runs = counted(request.runs, "run");
     let mut lines = vec![
         format!("{} steps, {path}; {runs}, {back}", request.volume.steps),
         format!(

@@ -18,7 +18,7 @@ use crate::text::{Finding, Problem, Problems, joined, template_text};
 use crate::visit::files::{Files, Kind};
 use crate::visit::inputs;
 use crate::visit::job_files::{Given, JobFiles};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,8 +45,8 @@ pub(super) struct Options {
     #[arg(long, value_name = "LANGUAGE|FILE", default_value = "en")]
     language: String,
     /// Unit of lengths on the page
-    #[arg(long, value_enum, default_value_t = Unit::Mm)]
-    unit: Unit,
+    #[arg(long, value_enum, default_value_t = Shown::Metric)]
+    unit: Shown,
     /// Sign of the company (PNG, JPEG or SVG)
     #[arg(long, value_name = "FILE")]
     logo: Option<PathBuf>,
@@ -57,24 +57,10 @@ pub(super) struct Options {
     output: Output,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Unit {
-    /// mm and µm
-    Mm,
-    /// Inches and µin
-    Inch,
-}
-
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the report")?;
     let texts = texts(files, &options.language)?;
-    let locale = Locale {
-        texts: &texts,
-        shown: match options.unit {
-            Unit::Mm => Shown::Metric,
-            Unit::Inch => Shown::Inch,
-        },
-    };
+    let locale = Locale { texts: &texts, shown: options.unit };
     let (job, mut visit) = visit(options, files, locale)?;
     for file in &options.linear {
         visit.add_linear(files, locale, file)?;
@@ -90,13 +76,10 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let is_found = visit.verdict.is_none();
     let word = visit.verdict.map_or(AS_FOUND, Verdict::word);
     let screen = || {
-        Screen {
-        verdict: match is_found {
+        Screen::of(match is_found {
             true => "the page shows the machine as found: the job states no tables ([compensation.axes]), so nothing is forecast or judged".to_string(),
             false => format!("verdict on the page: {word}"),
-        },
-        ..Screen::default()
-    }
+        })
     };
     let document = || json!({ "schema": 1, "verdict": word });
     let outcome = options.output.deliver(Some(content), screen, document, "")?;
@@ -119,7 +102,10 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
     let is_found = without_tables && !states_tables(files, &file)?;
     let (inputs, _) = inputs::read_job(files, None, &file, UseOf::with(!is_found))?;
     let mut visit = match is_found {
-        true => of_job(locale, &inputs)?,
+        true => {
+            let page = assess::for_report(&inputs, None)?;
+            Visit::found(locale, &inputs.job, inputs.as_measured(), inputs.machine(), &page)?
+        }
         false => with_tables(options, files, locale, &inputs)?,
     };
     let is_stated = inputs.job.source.place_of("compensation.controller");
@@ -148,11 +134,6 @@ fn of_table(locale: Locale<'_>, file: Given<'_>) -> Result<OfJob, Problems> {
 }
 
 /// The measurement of a job without tables, as found.
-fn of_job(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
-    let page = assess::for_report(inputs, None)?;
-    Visit::found(locale, &inputs.job, inputs.as_measured(), inputs.machine(), &page)
-}
-
 /// The tables of a directory, or those that `generate` would write.
 fn with_tables(
     options: &Options,
@@ -169,7 +150,7 @@ fn with_tables(
     visit.is_rehearsal = page.is_simulated();
     let said = |findings: &[Finding]| findings.iter().map(ToString::to_string).collect();
     visit.doubts = said(page.doubts());
-    visit.disagreements = said(&page.disagreements());
+    visit.disagreements = said(&page.verification.disagreements());
     let matter = |assumed: &&Assumption| assumed.without_effect.is_none();
     let assumed = page.assumptions().iter().filter(matter);
     visit.assumptions = assumed.cloned().collect();

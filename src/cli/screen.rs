@@ -1,7 +1,7 @@
 //! What people see: one screen with the verdict, the figures, the worst findings and the next step;
 //! everything else is one option away (`--explain`). Tables, lists, and paths as a shell reads them.
 
-use crate::text::plain;
+use crate::text::{counted, plain};
 use crate::visit::files::printed;
 use clap::Args;
 use std::io::IsTerminal;
@@ -68,6 +68,11 @@ pub(super) struct Screen {
 }
 
 impl Screen {
+    /// A verdict alone.
+    pub(super) fn of(verdict: String) -> Screen {
+        Screen { verdict, ..Screen::default() }
+    }
+
     /// The page.
     pub(super) fn page(&self, detail: Detail) -> String {
         let verdict = wrapped(&self.verdict);
@@ -90,11 +95,7 @@ impl Screen {
     /// What is not on the screen, in one line.
     fn announced(&self) -> String {
         let hidden = self.findings.len().saturating_sub(MOST_FINDINGS);
-        let findings = match hidden {
-            0 => None,
-            1 => Some("1 more finding".to_string()),
-            hidden => Some(format!("{hidden} more findings")),
-        };
+        let findings = (hidden > 0).then(|| counted(hidden, "more finding"));
         let more = self.more.iter().filter(|more| more.count != Some(0));
         let more = more.map(|more| match more.count {
             None => more.what.to_string(),

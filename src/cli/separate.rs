@@ -5,7 +5,7 @@ mod straight;
 mod text;
 mod words;
 
-use crate::cli::diagonals::StandardFigures;
+use crate::cli::diagonals::by_standard;
 use crate::cli::outcome::{Outcome, Output, Plot, held};
 use crate::inputs::error_table;
 use crate::machine::separation::monte_carlo::{Trials, simulate};
@@ -57,8 +57,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let simulated = (plan.trials > 0).then(simulated).flatten();
     let csv = || held(error_table::write(&campaign.draft(&separation)));
     let csv = output.is_asked_for().then(csv);
-    let figures =
-        StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
+    let figures = by_standard(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
     let found = (&separation, &figures, simulated.as_ref());
     let outcome =
         output.deliver(csv, || text::screen(found), || document::separation(found), "")?;
@@ -81,8 +80,7 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
         .into());
     }
     let result = campaign.straight()?;
-    let figures =
-        StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
+    let figures = by_standard(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
     let screen = || straight::screen(&result, &figures);
     let outcome = options.output.print.outcome(screen, || straight::document(&result, &figures))?;
     Ok(outcome.answering(result.doubts.is_empty()))

@@ -41,7 +41,7 @@ pub(super) fn um(um: Option<f64>) -> String {
 }
 
 /// `what`, then all of them; nothing without any.
-fn named(what: &str, all: impl Iterator<Item = String>) -> String {
+pub(super) fn named(what: &str, all: impl Iterator<Item = String>) -> String {
     match joined(all) {
         none if none.is_empty() => none,
         all => format!("{what}: {all}"),

@@ -69,21 +69,8 @@ const LARGEST_NOISE_UM: f64 = 100.0;
 /// More than forty kelvin, µm/m.
 const LARGEST_SCALE_UM_PER_M: f64 = 500.0;
 
-/// What was simulated: the bytes of the file, and what is printed of it.
-struct Simulated {
-    bytes: Vec<u8>,
-    screen: Screen,
-    document: Value,
-}
-
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the readings")?;
-    let Simulated { bytes, screen, document } = simulated(options, files)?;
-    let next = format!(" ({SIMULATED})");
-    options.output.deliver(Some(held(bytes)), || screen, || document, &next)
-}
-
-fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems> {
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
     let (inputs, angles) = inputs::read_job(files, machine, &job, UseOf::Tables)?;
     // The angles of an error table are no part of a measurement of diagonals.
@@ -104,16 +91,23 @@ fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems
     origin.notes.extend(taken_for_granted(&inputs));
     let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m)?;
     let Some(rehearsal) = rehearsal else {
-        return Ok(error_table(&inputs, &machine, wishes, &origin));
+        return error_table(&options.output, &inputs, &machine, wishes, &origin);
     };
     origin.notes.extend(rehearsal.notes.iter().cloned());
     let simulation = readings(&machine, &rehearsal, &inputs.job)?;
     let comments = origin.comments(&inputs, noise);
-    Ok(Simulated {
-        bytes: crate::kit::simulate::write(&simulation, &rehearsal, &comments).into_bytes(),
-        screen: screen(&inputs, &origin, &walked(&rehearsal, &origin), figures(&simulation)),
-        document: document(&rehearsal, &simulation, &origin),
-    })
+    let screen = screen(&inputs, &origin, &walked(&rehearsal, &origin), figures(&simulation));
+    let text = crate::kit::simulate::write(&simulation, &rehearsal, &comments);
+    delivered(&options.output, text, screen, document(&rehearsal, &simulation, &origin))
+}
+
+fn delivered(
+    output: &Output,
+    text: String,
+    screen: Screen,
+    document: Value,
+) -> Result<Outcome, Problems> {
+    output.deliver(Some(held(text)), || screen, || document, &format!(" ({SIMULATED})"))
 }
 
 /// The tables that are active, and where they come from.
@@ -151,11 +145,12 @@ fn taken_for_granted(inputs: &Inputs) -> Vec<Finding> {
 }
 
 fn error_table(
+    output: &Output,
     inputs: &Inputs,
     machine: &SimulatedMachine<'_>,
     wishes: Wishes,
     origin: &SimulationSource,
-) -> Simulated {
+) -> Result<Outcome, Problems> {
     let (noise, runs) = (wishes.noise, wishes.runs.unwrap_or(1));
     let draft = single_axes(
         machine,
@@ -169,16 +164,14 @@ fn error_table(
         draft.series.len(),
         noise_words(noise)
     );
-    Simulated {
-        bytes: error_table::write(&draft).into_bytes(),
-        screen: screen(inputs, origin, &what, String::new()),
-        document: joined([
-            json!({ "schema": 1, "simulated": true, "kind": "single-axis", "runs": runs }),
-            json!(noise),
-            json!(origin),
-            json!({ "positions": rows, "notes": origin.notes }),
-        ]),
-    }
+    let document = joined([
+        json!({ "schema": 1, "simulated": true, "kind": "single-axis", "runs": runs }),
+        json!(noise),
+        json!(origin),
+        json!({ "positions": rows, "notes": origin.notes }),
+    ]);
+    let screen = screen(inputs, origin, &what, String::new());
+    delivered(output, error_table::write(&draft), screen, document)
 }
 
 fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: String) -> Screen {

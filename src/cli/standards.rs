@@ -3,7 +3,7 @@
 mod axis;
 mod diagonals;
 
-use crate::cli::outcome::{Outcome, PlotOnly, Print};
+use crate::cli::outcome::{Outcome, Shows};
 use crate::control::controller::TableSign;
 use crate::inputs::import::stated::{
     self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,
@@ -56,9 +56,7 @@ pub(super) struct Options {
     #[arg(long, value_parser = encoding_word)]
     encoding: Option<&'static encoding_rs::Encoding>,
     #[command(flatten)]
-    plot: PlotOnly,
-    #[command(flatten)]
-    print: Print,
+    shows: Shows,
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
@@ -66,8 +64,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let input = file.kind();
     options.refuse_foreign(input)?;
     match input {
-        FileKind::Job => diagonals::of_job(files, &options.file, options.print, &options.plot),
-        FileKind::Readings => diagonals::of_readings(file.source()?, options.print, &options.plot),
+        FileKind::Job => diagonals::of_job(files, &options.file, &options.shows),
+        FileKind::Readings => diagonals::of_readings(file.source()?, &options.shows),
         FileKind::Table => {
             let stated = Stated { unit: options.unit, values: options.values };
             options.axis(&file.name, &Runs::read(&file.source()?, stated)?, Vec::new())
@@ -136,7 +134,6 @@ impl Options {
     /// Figures of one axis; `facts` are what its file states.
     fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
         let page = Page::of(name, runs, self.travel_mm, notes)?;
-        let outcome = self.print.outcome(|| page.screen(), || page.document())?;
-        self.plot.beside(outcome, |locale| page.picture(locale))
+        self.shows.outcome(|| page.screen(), || page.document(), |locale| page.picture(locale))
     }
 }

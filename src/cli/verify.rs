@@ -3,11 +3,12 @@
 mod page;
 mod second;
 
-use crate::cli::outcome::{Outcome, PlotOnly, Print};
+use crate::cli::outcome::{Outcome, Shows};
 
 use crate::judge::conformity::Verdict;
 use crate::kit::second_look::{SecondLook, second_look};
 use crate::kit::{Inputs, Verification};
+use crate::page::Locale;
 use crate::text::Problems;
 use crate::visit::files::Files;
 use crate::visit::inputs;
@@ -29,17 +30,15 @@ pub(super) struct Options {
     #[arg(long, value_name = "FILE|JOB")]
     after: Option<PathBuf>,
     #[command(flatten)]
-    plot: PlotOnly,
-    #[command(flatten)]
-    print: Print,
+    shows: Shows,
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let inputs = inputs::read(files, &options.job)?;
     let page = Page::read(files, &inputs, &options.job, &options.tables, options.after.as_deref())?;
-    let outcome = options.print.outcome(|| page.screen(), || page.document())?;
-    let outcome = outcome.answering(page.verdict() == Verdict::Pass);
-    options.plot.beside(outcome, |locale| page.picture(locale))
+    let picture = |locale: Locale<'_>| page.picture(locale);
+    let outcome = options.shows.outcome(|| page.screen(), || page.document(), picture)?;
+    Ok(outcome.answering(page.verdict() == Verdict::Pass))
 }
 
 impl<'a> Page<'a> {

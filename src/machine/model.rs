@@ -241,10 +241,9 @@ impl ErrorModel {
     /// Adds the angular errors of a table of their own. What both tables hold is a problem: nobody
     /// knows which of them counts. Deviations beside the angles are not read, and a note says so.
     pub(crate) fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
-        let added = measured::added(job, table, &self.rotations)?;
-        self.rotations = added;
-        self.unused = measured::not_compensated(table).into_iter().collect();
-        self.unused.extend(measured::deviations_beside(table));
+        self.rotations = measured::added(job, table, &self.rotations)?;
+        let unused = measured::not_compensated(table).into_iter();
+        self.unused = unused.chain(measured::deviations_beside(table)).collect();
         Ok(())
     }
 }

@@ -7,11 +7,12 @@ use crate::text::{Problem, Problems, Source, escaped, plain};
 use std::collections::BTreeMap;
 
 /// In which unit lengths are shown; documents are always in mm and µm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Shown {
-    /// mm and µm.
+    /// mm and µm
+    #[value(name = "mm")]
     Metric,
-    /// Inches and millionths of an inch.
+    /// Inches and µin
     Inch,
 }
 

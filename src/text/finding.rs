@@ -116,6 +116,12 @@ pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String 
     words.collect::<Vec<String>>().join(", ")
 }
 
+/// `1 row`, `2 rows`
+pub(crate) fn counted<N: fmt::Display + PartialEq + From<u8>>(number: N, thing: &str) -> String {
+    let plural = if number == N::from(1) { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 /// `a, b, c and 4 more`
 pub(crate) fn listed(names: &[String]) -> String {
     const MOST_NAMES: usize = 6;

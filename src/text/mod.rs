@@ -23,7 +23,7 @@ pub use self::document::{
     MOST_LINES, MOST_POINTS, MOST_ROWS, Section, Source, sha256,
 };
 pub use self::finding::{Finding, Kind, Severity, of_severity};
-pub(crate) use self::finding::{findings, grouped, joined, listed, once};
+pub(crate) use self::finding::{counted, findings, grouped, joined, listed, once};
 pub(crate) use self::plain::{BLANK, BOX, escaped, marked};
 pub use self::plain::{is_unseen, line, page};
 pub use self::problem::{LineIndex, Place, Problem, Problems, nearest, shown};

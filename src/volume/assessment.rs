@@ -15,7 +15,7 @@ use crate::volume::definitions::{Definitions, definitions};
 use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
 use crate::volume::space::histogram;
 use crate::volume::space::histogram::{Tolerance, grouping};
-use crate::volume::space::sample::estimate;
+use crate::volume::space::sample::{Estimate, estimate};
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
 use serde::Serialize;
 
@@ -77,7 +77,7 @@ pub struct Histogram {
     pub pairs: u64,
     /// Where some were drawn.
     #[serde(flatten)]
-    pub sampled: Option<Sampled>,
+    pub sampled: Option<Estimate>,
 }
 
 /// Pairs in each bin.
@@ -98,15 +98,6 @@ impl Counts {
             Counts::Estimated(counts) => counts.clone(),
         }
     }
-}
-
-/// What an estimated distribution rests on.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Sampled {
-    /// Pairs drawn.
-    pub drawn: u64,
-    /// Of each count; `None` = unknown.
-    pub standard_errors: Vec<Option<f64>>,
 }
 
 /// What the errors of a machine do in its volume.
@@ -188,11 +179,9 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
         let counts = Counts::Counted(counts.ok_or_else(too_fine)?);
         return Ok(Histogram { bin_um, counts, exact: true, pairs, sampled: None });
     }
-    let estimate = estimate(vectors, bin_um, DRAWN, SEED).ok_or_else(too_fine)?;
-    let (drawn, standard_errors) = (estimate.drawn, estimate.standard_errors);
-    let (counts, sampled) =
-        (Counts::Estimated(estimate.counts), Sampled { drawn, standard_errors });
-    Ok(Histogram { bin_um, counts, exact: false, pairs, sampled: Some(sampled) })
+    let mut estimate = estimate(vectors, bin_um, DRAWN, SEED).ok_or_else(too_fine)?;
+    let counts = Counts::Estimated(std::mem::take(&mut estimate.counts));
+    Ok(Histogram { bin_um, counts, exact: false, pairs, sampled: Some(estimate) })
 }
 
 /// The paper's magnitude tolerance: a shorter vector of a group is dismissed.
@@ -294,9 +283,7 @@ impl Grid {
         let nodes =
             others.iter().fold(measured.clone(), |nodes, other| nodes.and(&other.own_nodes()));
         let counts = nodes.counts();
-        let points = counts.x.checked_mul(counts.y);
-        let points = points.and_then(|points| points.checked_mul(counts.z));
-        if points.is_none_or(|points| points > MOST_POINTS) {
+        if counts.x.saturating_mul(counts.y).saturating_mul(counts.z) > MOST_POINTS {
             return Err(Problem::new(format!(
                 "the own nodes of this machine are {} x {} x {}, more than {MOST_POINTS} together",
                 counts.x, counts.y, counts.z
@@ -394,36 +381,30 @@ fn windows(model: &VolumeModel, grid: &Grid, size_mm: PerAxis<f64>) -> Result<Wi
 }
 
 fn nodes_of(nodes: &Nodes, size_mm: PerAxis<f64>) -> Result<PerAxis<usize>, Problem> {
-    let mut counts = PerAxis::default();
-    for axis in Axis::ALL {
-        counts[axis] = nodes_in(axis, &nodes[axis], size_mm[axis])?;
-    }
-    Ok(counts)
+    let count = |axis| nodes_in(axis, &nodes[axis], size_mm[axis]);
+    Ok(PerAxis { x: count(Axis::X)?, y: count(Axis::Y)?, z: count(Axis::Z)? })
 }
 
 /// Nodes of a sub-volume along one axis, its ends among them.
 fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
-    let help =
-        "choose `--grid` so that the size is a whole number of node distances, e.g. 21,21,21";
-    let ends = nodes.first().zip(nodes.last());
-    let (Some((first, last)), Some(steps)) = (ends, nodes.len().checked_sub(1)) else {
-        return Err(no_map());
+    let refused = |words: String| {
+        let help =
+            "choose `--grid` so that the size is a whole number of node distances, e.g. 21,21,21";
+        Err(Problem::new(words).help(help))
     };
-    let step = (last - first) / steps.max(1) as f64;
+    let steps = nodes.len() - 1;
+    let step = (nodes[steps] - nodes[0]) / steps.max(1) as f64;
     let even = nodes.windows(2).all(|n| (n[1] - n[0] - step).abs() <= step * WHOLE);
     if !even {
-        return Err(Problem::new(format!(
-            "sub-volumes need equally spaced nodes, and those of {axis} are not"
-        ))
-        .help(help));
+        let words = format!("sub-volumes need equally spaced nodes, and those of {axis} are not");
+        return refused(words);
     }
     let wanted = size_mm / step;
     let whole = wanted.round();
     if (wanted - whole).abs() > WHOLE || whole < 1.0 {
-        return Err(Problem::new(format!(
+        return refused(format!(
             "the sub-volume is {size_mm} mm long in {axis}, which is no whole number of node distances ({step} mm)"
-        ))
-        .help(help));
+        ));
     }
     #[allow(
         clippy::cast_possible_truncation,

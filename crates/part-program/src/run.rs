@@ -140,8 +140,10 @@ impl Control {
                 Flow::Next => {}
                 Flow::End => return Ok(()),
                 Flow::TextEnd => return self.ended(),
-                Flow::Return if self.calls.is_empty() => return Ok(()),
-                Flow::Return => self.go_back(text)?,
+                Flow::Return => match self.calls.pop() {
+                    Some(call) => self.go_back(text, call)?,
+                    None => return Ok(()),
+                },
                 _ => self.go(text, next)?,
             }
         }
@@ -311,10 +313,7 @@ impl Control {
     }
 
     /// M99: the subprogram once more, or on behind its call.
-    fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Refused> {
-        let Some(mut call) = self.calls.pop() else {
-            return Ok(());
-        };
+    fn go_back(&mut self, text: &mut dyn Text, mut call: Call) -> Result<(), Refused> {
         if call.left == 0 {
             return self.jump(text, call.back);
         }

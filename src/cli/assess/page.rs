@@ -165,12 +165,6 @@ impl Basis {
         Basis::of(job, inputs.as_measured(), &inputs.model.remarks, volume, stated)
     }
 
-    /// Of an error table alone.
-    pub(super) fn of_table(job: &Job, model: &ErrorModel, volume: &VolumeModel) -> Basis {
-        let stated = std::iter::once(VolumeFinding::NoJob.into());
-        Basis::of(job, model, &model.remarks, volume, stated)
-    }
-
     fn of(
         job: &Job,
         measured: &ErrorModel,
@@ -294,7 +288,13 @@ pub(super) fn of_table(file: &Given<'_>, chain: Option<Chain>) -> Result<Table, 
         .into());
     }
     let volume = VolumeModel::build(&job, &model)?;
-    Ok(Table { basis: Basis::of_table(&job, &model, &volume), job, model, volume })
+    let no_job = std::iter::once(VolumeFinding::NoJob.into());
+    Ok(Table {
+        basis: Basis::of(&job, &model, &model.remarks, &volume, no_job),
+        job,
+        model,
+        volume,
+    })
 }
 
 /// The least job that such a table needs.
@@ -332,15 +332,11 @@ struct Largest {
 
 impl Found {
     /// `errors`: where the model comes from; absent = from an error table alone.
-    pub(super) fn of(
-        job: &Job,
-        model: &ErrorModel,
-        errors: Option<&ErrorSource>,
-    ) -> Result<Found, Problems> {
+    pub(super) fn of(job: &Job, model: &ErrorModel, errors: Option<&ErrorSource>) -> Found {
         let terms = alone(model, job).terms.into_iter().map(|found| {
             let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
             (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
         });
-        Ok(Found { terms: terms.collect(), squareness: planes((model, errors), None) })
+        Found { terms: terms.collect(), squareness: planes((model, errors), None) }
     }
 }

@@ -5,8 +5,9 @@ use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::quantity::{Axis, Diagonal, Figure, Millimetres, PerAxis};
 use crate::text::joined;
-use crate::volume::assessment::{Assessment, Contribution, GridChoice, Histogram, Sampled};
+use crate::volume::assessment::{Assessment, Contribution, GridChoice, Histogram};
 use crate::volume::definitions::Definitions;
+use crate::volume::space::sample::Estimate;
 use crate::volume::volume_model::{Component, ERRORS};
 
 pub(super) fn screen(page: &Page) -> Screen {
@@ -344,7 +345,7 @@ fn bins(histogram: &Histogram) -> Vec<String> {
 }
 
 fn how(histogram: &Histogram) -> String {
-    let Some(Sampled { drawn, standard_errors: errors }) = &histogram.sampled else {
+    let Some(Estimate { drawn, standard_errors: errors, .. }) = &histogram.sampled else {
         return format!("all {} pairs of nodes were counted", histogram.pairs);
     };
     let largest = errors.iter().flatten().copied().fold(0.0, f64::max);

@@ -7,7 +7,7 @@ use crate::cli::show;
 use crate::kit::Inputs;
 use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
-use crate::text::Problem;
+use crate::text::{Problem, counted};
 use crate::visit::inputs::Corrected;
 use crate::volume::space::diameter::longest;
 use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Summary};
@@ -175,10 +175,6 @@ fn missing(page: &Page) -> Vec<String> {
 }
 
 /// A number of things.
-fn counted(number: u64, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
-}
-
 fn heading(page: &Page) -> String {
     let s = &page.before.summary;
     let mut counts = vec![counted(s.lines, "straight move"), counted(s.arcs, "arc")];
@@ -217,7 +213,7 @@ fn headline(page: &Page) -> String {
     if !datum.is_empty() {
         lines.push(format!(
             "all of them less the mean error at {} ([[path.datum]])",
-            counted(datum.len() as u64, "probed place")
+            counted(datum.len(), "probed place")
         ));
     }
     lines.join("\n")
@@ -227,11 +223,9 @@ fn headline(page: &Page) -> String {
 fn warnings(page: &Page) -> Vec<String> {
     let tool = page.inputs.job.measurement.levers.tool;
     let stated = tool.is_some_and(|tool| Axis::ALL.iter().any(|axis| tool[*axis].mm().abs() > 0.0));
-    if stated && page.before.summary.with_tool {
-        vec!["CHECK: `tool_offset_mm` of [measurement] and the tool length of G43 both move the tool point; state the way to the tool in one of them only".to_string()]
-    } else {
-        Vec::new()
-    }
+    let twice = stated && page.before.summary.with_tool;
+    let words = "CHECK: `tool_offset_mm` of [measurement] and the tool length of G43 both move the tool point; state the way to the tool in one of them only";
+    twice.then(|| words.to_string()).into_iter().collect()
 }
 
 fn holes(page: &Page) -> String {

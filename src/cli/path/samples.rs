@@ -5,6 +5,7 @@ use crate::cli::outcome::Output;
 use crate::quantity::Figure;
 use crate::text::Problems;
 use crate::visit::files::{Begun, Files, Long, Ready, not_put_out, not_written};
+use crate::volume::space::pair::dot;
 use crate::volume::tool_path::Sample;
 use serde::Serialize;
 use std::io::{BufWriter, Seek, Write};
@@ -72,13 +73,11 @@ fn row(out: &mut impl Write, sample: &Sample, after_um: Option<[f64; 3]>) -> std
 
 /// The vector, its length, its parts along the path and across it.
 fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Result<()> {
-    let [ex, ey, ez] = error;
-    let along = |way: [f64; 3]| way[0] * ex + way[1] * ey + way[2] * ez;
-    let (size, tangent) = (length(error), along(sample.ahead));
+    let (size, tangent) = (length(error), dot(&sample.ahead, &error));
     let [x, y, z] = error.map(Figure);
     write!(out, "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},", Figure(tangent))?;
     match sample.left {
-        Some(left) => write!(out, "{:.6}", Figure(along(left))),
+        Some(left) => write!(out, "{:.6}", Figure(dot(&left, &error))),
         None => Ok(()),
     }
 }
@@ -133,6 +132,6 @@ impl Holes {
 }
 
 /// Of an error vector.
-fn length([x, y, z]: [f64; 3]) -> f64 {
-    (x * x + y * y + z * z).sqrt()
+fn length(error: [f64; 3]) -> f64 {
+    dot(&error, &error).sqrt()
 }

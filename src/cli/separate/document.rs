@@ -2,15 +2,16 @@
 //! document is printed; here only what has no unit.
 
 use super::words::{Found, advice};
-use crate::cli::diagonals::{StandardFigures, diagonal_json};
+use crate::cli::diagonals::diagonal_json;
 use crate::cli::outcome::{joined, known};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::Separation;
 use crate::machine::separation::closure::{Agreement, LineCheck};
-use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
+use crate::machine::separation::noise::{Noise, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
+use crate::machine::standards::Diagonals;
 use crate::quantity::{
     Diagonal, Direction, Listed, Pass, PerAxis, PerDiagonal, PerTerm, Volume, picometres,
 };
@@ -28,7 +29,7 @@ pub(super) fn separation((separation, figures, simulated): Found<'_>) -> Value {
                 "undetermined": separation.undetermined,
                 "advice": open_advice(separation),
             },
-            "outliers": separation.closure.outliers.iter().map(outlier).collect::<Vec<_>>(),
+            "outliers": separation.closure.outliers,
             "diagonals": diagonals(figures, &separation.volume, &separation.end_um, |diagonal| {
                 let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
                 json!({ "repeatability_um": { "forward": of(Pass::Forward), "reverse": of(Pass::Reverse) } })
@@ -143,22 +144,6 @@ fn reversal(turn: &Turn) -> Value {
     })
 }
 
-fn outlier(outlier: &Outlier) -> Value {
-    let reading = |r: &ReadingPlace| {
-        json!({
-            "diagonal": r.diagonal,
-            "run": r.run,
-            "direction": r.pass,
-            "node": r.node,
-        })
-    };
-    json!({
-        "readings": outlier.readings.iter().map(reading).collect::<Vec<_>>(),
-        "size_um": outlier.size_um,
-        "standard_deviations": picometres(outlier.ratio),
-    })
-}
-
 /// σ of a single reading and where it comes from.
 pub(super) fn noise(noise: Noise) -> Value {
     json!({
@@ -179,19 +164,18 @@ pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
 
 /// The figures of all four diagonals together, and of each with what else is known of it.
 pub(super) fn diagonals(
-    figures: &StandardFigures,
+    all: &Diagonals,
     volume: &Volume,
     end_um: &PerDiagonal<f64>,
     more: impl Fn(Diagonal) -> Value,
 ) -> Value {
-    let all = &figures.all;
-    let each = end_um.iter().zip(figures.each()).map(|((diagonal, end_um), (name, runs, of))| {
+    let each = end_um.iter().zip(&all.diagonals).map(|((diagonal, end_um), of)| {
         let own = json!({
             "end_reading_um": end_um,
             "range_um": of.range_um,
-            "figures_um": diagonal_json(runs, of),
+            "figures_um": diagonal_json(of),
         });
-        (name.to_string(), joined([own, more(diagonal)]))
+        (of.name.clone(), joined([own, more(diagonal)]))
     });
     let together = json!({
         "range_over_all_um": all.range_over_all_um,

@@ -2,17 +2,17 @@
 
 use super::document::{agreement, diagonals, noise};
 use super::words::{self, advice, expanded};
-use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
 use crate::machine::separation::uncertainty::Uncertainty;
+use crate::machine::standards::Diagonals;
 use crate::quantity::{Axis, Diagonal, Figure, PerAxis, Squared};
 use crate::text::joined;
 use serde_json::{Value, json};
 
-pub(super) fn screen(result: &StraightResult, figures: &StandardFigures) -> Screen {
+pub(super) fn screen(result: &StraightResult, figures: &Diagonals) -> Screen {
     let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
     let closure = result.closure.as_ref();
     let (open, advice) = (result.metric.undetermined(), advice(&result.metric));
@@ -98,7 +98,7 @@ fn verdict(closure: &ClosureTests) -> String {
     }
 }
 
-pub(super) fn document(result: &StraightResult, figures: &StandardFigures) -> Value {
+pub(super) fn document(result: &StraightResult, figures: &Diagonals) -> Value {
     let metric = &result.metric;
     let u = |known: Option<Uncertainty>| known.map(|known| known.u);
     let scales = |of: &dyn Fn(Axis) -> Option<f64>| known([json!(PerAxis::from_fn(of))]);

@@ -3,9 +3,8 @@
 
 use super::document::open_advice;
 use super::words::{self, Found, expanded, freedom};
-use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, paragraphs, table};
-use crate::cli::show::{figure, um};
+use crate::cli::show::{figure, named, um};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::closure::Closure;
 use crate::machine::separation::curves::{ReferenceLine, range};
@@ -18,6 +17,7 @@ use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::{Estimate, Turn};
 use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
+use crate::machine::standards::Diagonals;
 use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Figure, Pass, PerAxis, Plane};
 use crate::text::joined;
 
@@ -41,7 +41,9 @@ pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
         more,
         &separation.labels,
     );
-    screen.findings = outliers.iter().map(disturbed).collect();
+    let disturbed = outliers.iter().map(Outlier::words);
+    screen.findings =
+        disturbed.map(|which| format!("disturbed reading, repeat the run: {which}")).collect();
     screen
 }
 
@@ -66,11 +68,6 @@ fn outcome(separation: &Separation) -> String {
     lines.join("\n")
 }
 
-fn positions_mm(separation: &Separation, axis: Axis) -> Vec<f64> {
-    let positions = separation.volume.positions(axis);
-    positions.iter().map(|position| position.mm()).collect()
-}
-
 fn terms(separation: &Separation) -> String {
     let rows = ErrorTerm::ALL.into_iter().map(|term| {
         let shape = um(Some(range(separation.shapes[term].iter().copied())));
@@ -78,7 +75,8 @@ fn terms(separation: &Separation) -> String {
             return format!("{term}\tnot determined\t-\t-\t{shape}\t-\t-");
         };
         let curve = &found.deviation_um;
-        let positions = positions_mm(separation, term.along);
+        let positions = separation.volume.positions(term.along);
+        let positions: Vec<f64> = positions.iter().map(|at| at.mm()).collect();
         let slope = ReferenceLine::EndPoints.slope_um_per_m(&positions, curve);
         let [slope, end, range] = [slope, last(curve), range(curve.iter().copied())].map(Figure);
         let largest = largest_u(found);
@@ -170,7 +168,7 @@ fn setup(separation: &Separation) -> String {
     )
 }
 
-fn diagonals(separation: &Separation, figures: &StandardFigures) -> String {
+fn diagonals(separation: &Separation, figures: &Diagonals) -> String {
     let table = figures.as_read(|diagonal| separation.end_um[diagonal]);
     format!(
         "{table}\n`generate` computes its diagonals from the nine errors instead: without the tilt of the mirror, without noise between the nodes"
@@ -203,26 +201,18 @@ fn monte_carlo(simulated: &Simulated) -> String {
 }
 
 fn closure(separation: &Separation) -> String {
-    let closure = &separation.closure;
-    let mut lines = vec![format!("Closure: mean over each axis (µm) {}", means(separation))];
-    lines.push(
+    let (closure, noise) = (&separation.closure, separation.noise);
+    let means = of_axes(&closure.mean, |axis| Some(closure.u_mean_um(axis, noise?.sigma_um)));
+    let mut lines = vec![
+        format!("Closure: mean over each axis (µm) {means}"),
         "  a constant is set-up error or, with a flat mirror, roll of an axis that carries others"
             .into(),
-    );
-    if let Some(noise) = separation.noise {
-        lines.push(scatter(closure, noise));
-    }
-    lines.extend(closure.ramps.as_ref().map(|ramps| self::ramps(ramps, separation.noise)));
-    lines.push(test(closure, separation.noise));
+    ];
+    lines.extend(noise.map(|noise| scatter(closure, noise)));
+    lines.extend(closure.ramps.as_ref().map(|ramps| self::ramps(ramps, noise)));
+    lines.push(test(closure, noise));
     lines.push("a clean closure proves nothing about pitch, yaw and five of eight patterns of set-up error".into());
     lines.join("\n")
-}
-
-/// Each with its expected standard deviation.
-fn means(separation: &Separation) -> String {
-    let (closure, noise) = (&separation.closure, separation.noise);
-    let u_um = |axis| Some(closure.u_mean_um(axis, noise?.sigma_um));
-    of_axes(&closure.mean, u_um)
 }
 
 /// A figure of each axis, with the standard deviation that is expected where it is known.
@@ -290,11 +280,6 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
     )
 }
 
-/// A disturbed reading; it stays in the result.
-fn disturbed(outlier: &Outlier) -> String {
-    format!("disturbed reading, repeat the run: {}", outlier.words())
-}
-
 fn reversal(separation: &Separation) -> String {
     let Some(turn) = &separation.turn else {
         return String::new();
@@ -304,10 +289,12 @@ fn reversal(separation: &Separation) -> String {
         let u = figure(b.u_um.map(|u| k * u), "not known");
         format!("{:.3} ± {u}", Figure(b.um))
     };
+    let cross = ErrorTerm::ALL.into_iter().filter(|term| term.is_cross());
+    let cross = cross.map(|term| format!("{term} {}", shown(turn.reversal[term])));
     paragraphs(&[
         reversal_of_axes(turn, shown),
         reversal_by_diagonal(turn, shown),
-        reversal_of_cross_terms(turn, shown),
+        format!("Reversal of cross terms, µm: {}", joined(cross)),
     ])
 }
 
@@ -340,24 +327,12 @@ fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> Stri
     )
 }
 
-fn reversal_of_cross_terms(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
-    let cross = ErrorTerm::ALL.into_iter().filter(|t| !t.is_positioning());
-    let said = cross.map(|term| format!("{term} {}", shown(turn.reversal[term])));
-    format!("Reversal of cross terms, µm: {}", joined(said))
-}
-
 /// R of both passes along every diagonal.
 fn repeatability(separation: &Separation) -> String {
-    let of = |diagonal: Diagonal| {
-        let pass = |pass: Pass| {
-            let found = repeatability_um(&separation.runs, diagonal, pass)?;
-            Some(format!("{diagonal} {} {:.3}", pass.word(), Figure(found)))
-        };
-        Pass::BOTH.into_iter().filter_map(pass).collect::<Vec<_>>()
-    };
-    let all = joined(Diagonal::ALL.into_iter().flat_map(of));
-    if all.is_empty() {
-        return String::new();
-    }
-    format!("Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm: {all}")
+    let passes = Diagonal::ALL.into_iter().flat_map(|d| Pass::BOTH.map(|pass| (d, pass)));
+    let all = passes.filter_map(|(diagonal, pass)| {
+        let found = repeatability_um(&separation.runs, diagonal, pass)?;
+        Some(format!("{diagonal} {} {:.3}", pass.word(), Figure(found)))
+    });
+    named("Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm", all)
 }

@@ -1,7 +1,6 @@
 //! What both pages of `separate` show: numbers, what is open and how to determine it, linear axes and
 //! beams against the diagonals.
 
-use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show::figure;
 use crate::machine::separation::Separation;
@@ -9,11 +8,12 @@ use crate::machine::separation::closure::Agreement;
 use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
 use crate::machine::separation::monte_carlo::Simulated;
+use crate::machine::standards::Diagonals;
 use crate::quantity::{Axis, Figure, Plane};
 use crate::text::{Finding, Severity};
 
 /// What was separated, its diagonals by standard, and what was simulated where that was asked for.
-pub(super) type Found<'a> = (&'a Separation, &'a StandardFigures, Option<&'a Simulated>);
+pub(super) type Found<'a> = (&'a Separation, &'a Diagonals, Option<&'a Simulated>);
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
 const MANY: f64 = 1000.0;

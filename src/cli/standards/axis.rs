@@ -6,9 +6,7 @@ use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, Travel};
-use crate::machine::standards::{
-    self, ByDirection, Condition, Met, SURE, VDI_3441, in_words, vdi_3441,
-};
+use crate::machine::standards::{self, ByDirection, Condition, Met, VDI_3441, in_words, vdi_3441};
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::Direction;
 use crate::text::{Finding, Problem};
@@ -129,7 +127,7 @@ impl Page<'_> {
             "targets": self.runs.targets_mm().len(),
             "length_mm": self.runs.length_mm(),
             "travel_mm": self.travel.stated_mm(),
-            "runs": counts(self.runs),
+            "runs": counts(Direction::BOTH.map(|way| self.runs.count(way))),
             "iso_230_2": iso,
             "vdi_dgq_3441": self.vdi.as_ref().map(vdi_document),
         })
@@ -181,12 +179,8 @@ fn by_iso(of: &iso_230_2::TargetFigures) -> AtTarget<9> {
     (of.target_mm, figures)
 }
 
-pub(super) fn likely_words(confidence: &str) -> &str {
-    match confidence {
-        SURE => SURE,
-        _ => "likely: from secondary sources, not compared with the text",
-    }
-}
+/// What stands beside figures and conditions that are no more than that.
+pub(super) const LIKELY: &str = "likely: from secondary sources, not compared with the text";
 
 /// Conditions that the data do not meet.
 pub(super) fn missed(conditions: &[Condition]) -> Vec<String> {
@@ -222,7 +216,7 @@ fn vdi_figures(of: &vdi_3441::Figures) -> [(&'static str, &'static str, Option<f
 }
 
 fn vdi_table(figures: Option<&vdi_3441::Figures>) -> String {
-    let heading = format!("VDI/DGQ 3441 ({})", likely_words(VDI_3441));
+    let heading = format!("VDI/DGQ 3441 ({LIKELY})");
     let Some(figures) = figures else {
         return format!("{heading}\nnote: every figure needs both directions");
     };

@@ -1,8 +1,8 @@
 //! Figures of the body diagonals: of a job with readings, or of readings alone.
 
-use super::axis::{conditions, likely_words, missed};
-use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
-use crate::cli::outcome::{Outcome, PlotOnly, Print, joined};
+use super::axis::{LIKELY, conditions, missed};
+use crate::cli::diagonals::{by_standard, diagonal_json, named_um};
+use crate::cli::outcome::{Outcome, Shows, joined};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
@@ -10,7 +10,7 @@ use crate::machine::findings::StandardFinding;
 use crate::machine::separation::Separation;
 use crate::machine::standards::{DIAGONALS, Diagonals};
 use crate::page::{Locale, Picture};
-use crate::quantity::{Direction, PathKind, Run};
+use crate::quantity::{PathKind, Run};
 use crate::text::{Finding, Problems, Source};
 use crate::visit::campaign::read_campaign;
 use crate::visit::files::Files;
@@ -22,12 +22,7 @@ const ALONG: &str = "along_diagonal";
 const ALONG_STEPS: &str = "along_diagonal_steps";
 
 /// Figures of the readings that a job names.
-pub(super) fn of_job(
-    on: &dyn Files,
-    path: &Path,
-    print: Print,
-    plot: &PlotOnly,
-) -> Result<Outcome, Problems> {
+pub(super) fn of_job(on: &dyn Files, path: &Path, shows: &Shows) -> Result<Outcome, Problems> {
     let files = read_campaign(on, path)?;
     let measurement = &files.measurement;
     let (runs, all) = match measurement.kind {
@@ -41,14 +36,14 @@ pub(super) fn of_job(
             (runs, all)
         }
     };
-    let figures = StandardFigures::of(&measurement.volume, measurement.kind, &runs, true)?;
+    let figures = by_standard(&measurement.volume, measurement.kind, &runs, true)?;
     let page = Page {
         name: &measurement.readings,
         across: ALONG,
         notes: notes(all > runs.len()).into_iter().chain(files.readings.zeroed()).collect(),
         figures,
     };
-    page.outcome(print, plot)
+    page.outcome(shows)
 }
 
 /// The document and the picture of readings that were separated.
@@ -62,18 +57,14 @@ pub(in crate::cli) fn of_separation(
         name: readings,
         across: ALONG,
         notes: notes(separation.runs.len() > runs.len()),
-        figures: StandardFigures::of(&separation.volume, PathKind::Step, runs, true)?,
+        figures: by_standard(&separation.volume, PathKind::Step, runs, true)?,
     };
     let heading = locale.words("readings_corrected");
     Ok((page.document(), page.picture(locale, &heading)))
 }
 
 /// Figures of readings alone: those that the box has no part in.
-pub(super) fn of_readings(
-    source: Source,
-    print: Print,
-    plot: &PlotOnly,
-) -> Result<Outcome, Problems> {
+pub(super) fn of_readings(source: Source, shows: &Shows) -> Result<Outcome, Problems> {
     let name = source.name.clone();
     let (readings, volume, kind) = Readings::without_job(source)?;
     let known = readings.runs.iter().cloned();
@@ -81,10 +72,10 @@ pub(super) fn of_readings(
     let mut notes = notes(known.len() < readings.runs.len());
     notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());
-    let figures = StandardFigures::of(&volume, kind, &known, false)?;
+    let figures = by_standard(&volume, kind, &known, false)?;
     let name = &name;
     let page = Page { name, across: ALONG_STEPS, notes, figures };
-    page.outcome(print, plot)
+    page.outcome(shows)
 }
 
 fn notes(dropped: bool) -> Vec<Finding> {
@@ -97,14 +88,14 @@ struct Page<'a> {
     name: &'a str,
     /// Key of what stands at the lower edge of the picture.
     across: &'static str,
-    figures: StandardFigures,
+    figures: Diagonals,
     notes: Vec<Finding>,
 }
 
 impl Page<'_> {
-    fn outcome(&self, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
-        let outcome = print.outcome(|| self.screen(), || self.document())?;
-        plot.beside(outcome, |locale| self.picture(locale, self.name))
+    fn outcome(&self, shows: &Shows) -> Result<Outcome, Problems> {
+        let picture = |locale: Locale<'_>| self.picture(locale, self.name);
+        shows.outcome(|| self.screen(), || self.document(), picture)
     }
 
     fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
@@ -113,16 +104,14 @@ impl Page<'_> {
     }
 
     fn screen(&self) -> Screen {
-        let runs = self.figures.runs.iter().map(|(name, runs)| {
-            let [up, down] = Direction::BOTH.map(|way| runs.count(way));
-            format!("{name} {up} up, {down} down")
-        });
-        let all = &self.figures.all;
+        let all = &self.figures;
+        let runs = all.diagonals.iter();
+        let runs = runs.map(|of| format!("{} {} up, {} down", of.name, of.runs[0], of.runs[1]));
         let rows = machine_figures(all).map(|(name, what, figure)| {
             let letter = if name.ends_with("_d") { name } else { "" };
             format!("{letter}\t{what}\t{}", um(figure))
         });
-        let heading = format!("conditions of ISO 230-6 ({})", likely_words(DIAGONALS));
+        let heading = format!("conditions of ISO 230-6 ({LIKELY})");
         Screen {
             verdict: format!(
                 "{} - body diagonals, runs: {}\nfigures in the style of ISO 230-6:2002 and ASME B5.54\n{}",
@@ -130,7 +119,7 @@ impl Page<'_> {
                 runs.collect::<Vec<_>>().join("; "),
                 all.label
             ),
-            figures: paragraphs(&[self.figures.table(), table("figure\t\t>value/µm", rows)]),
+            figures: paragraphs(&[all.table(), table("figure\t\t>value/µm", rows)]),
             findings: [missed(&all.conditions), show::notes(&self.notes)].concat(),
             more: vec![conditions(&heading, &all.conditions)],
             ..Screen::default()
@@ -138,10 +127,8 @@ impl Page<'_> {
     }
 
     fn document(&self) -> Value {
-        let all = &self.figures.all;
-        let diagonals = self.figures.each();
-        let diagonals =
-            diagonals.map(|(name, runs, of)| (name.to_string(), diagonal_json(runs, of)));
+        let all = &self.figures;
+        let diagonals = all.diagonals.iter().map(|of| (of.name.clone(), diagonal_json(of)));
         let part = joined([
             json!({
                 "confidence": DIAGONALS,

@@ -159,11 +159,6 @@ impl Page<'_> {
         judged.map_or_else(Grounds::default, |of| of.grounds(&self.inputs.job))
     }
 
-    /// How the files differ from the job.
-    pub(in crate::cli) fn disagreements(&self) -> Vec<Finding> {
-        self.verification.disagreements()
-    }
-
     fn squareness(&self) -> Named<&'static str, PlaneFigures> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());

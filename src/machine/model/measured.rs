@@ -7,7 +7,7 @@ use crate::machine::findings::{ModelFinding, two_digits};
 use crate::quantity::{
     Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerTerm, Rotation,
 };
-use crate::text::{Finding, Problem, Problems};
+use crate::text::{Finding, Problem, Problems, counted};
 
 /// How a term was measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,11 +166,8 @@ fn check_inside_travel(
         (0..series.positions.len()).filter(|row| outside(&series.positions[*row])).collect();
     let Some(first) = rows.first() else { return };
     let position = series.positions[*first].mm();
-    let more = match rows.len() - 1 {
-        0 => String::new(),
-        1 => ", and 1 more row".to_string(),
-        more => format!(", and {more} more rows"),
-    };
+    let more = Some(rows.len() - 1).filter(|more| *more > 0);
+    let more = more.map_or_else(String::new, |more| format!(", and {}", counted(more, "more row")));
     let problem = Problem::new(format!(
         "position {position} mm of axis {axis} lies outside its travel {} … {} mm{more}",
         machine.low.mm(),
@@ -235,14 +232,11 @@ pub(super) fn added(
     no_angles(table).into_iter().for_each(|problem| problems.push(problem));
     let mut all = rotations(job, table);
     for rotation in Rotation::all() {
-        match (&known[rotation], &all[rotation]) {
-            (Some(_), Some(_)) => {
-                let words = format!("{rotation} stands in the error table and in `angles`");
-                let problem = Problem::new(words).at(table.header.clone());
-                problems.push(problem.help("give each angular error in one table"));
-            }
-            (Some(_), None) => all[rotation].clone_from(&known[rotation]),
-            _ => {}
+        let Some(own) = &known[rotation] else { continue };
+        if all[rotation].replace(own.clone()).is_some() {
+            let words = format!("{rotation} stands in the error table and in `angles`");
+            let problem = Problem::new(words).at(table.header.clone());
+            problems.push(problem.help("give each angular error in one table"));
         }
     }
     problems.or_ok(all)

@@ -9,7 +9,7 @@ use crate::inputs::error_table::{Cause, ErrorTable};
 use crate::inputs::job::Job;
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
-use crate::quantity::{Axis, ErrorCurve, ErrorTerm, Millimetres, PerTerm, Plane};
+use crate::quantity::{Axis, ErrorTerm, Millimetres, PerTerm, Plane};
 use crate::text::Problems;
 
 /// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
@@ -112,12 +112,7 @@ fn add(
     let Some(curve) = homing.or(measured.curves().next()) else { return };
     let (low, high) = curve.measured_range();
     let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
-    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);
-    measured.measured = match &measured.measured {
-        Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
-        Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),
-        Measured::BothWays { plus, minus } => {
-            Measured::BothWays { plus: tilt(plus), minus: tilt(minus) }
-        }
-    };
+    let ways = measured.measured.ways();
+    let tilted = Measured::of(ways.map(|(way, curve)| (way, curve.plus_slope(slope, zero))));
+    measured.measured = tilted.unwrap_or_else(|| measured.measured.clone());
 }

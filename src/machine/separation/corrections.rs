@@ -206,11 +206,8 @@ impl AngleEffects {
     pub fn unmeasured(chain: Option<Chain>) -> AngleEffects {
         let evidence = AngleEvidence {
             missing: Rotation::all().collect(),
-            uncertain: Vec::new(),
             order: chain.map(Chain::order),
-            levers: Levers::default(),
-            origin: PerAxis::default(),
-            largest_urad: 0.0,
+            ..AngleEvidence::default()
         };
         AngleEffects { by_pass: None, evidence }
     }
@@ -223,7 +220,7 @@ impl AngleEffects {
 }
 
 /// What is known of the nine angular errors and of their levers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct AngleEvidence {
     /// Rotations without a measurement: they count as zero.
     pub missing: Vec<Rotation>,

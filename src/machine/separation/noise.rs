@@ -14,9 +14,10 @@
 //! shared among all readings. The standard deviation is that of the others.
 
 use super::readings::of;
-use crate::quantity::{Diagonal, Figure, Pass, Run, Squared};
+use crate::quantity::{Diagonal, Figure, Pass, Run, Squared, picometres};
 use crate::text::words;
 use nalgebra::DMatrix;
+use serde::{Serialize, Serializer};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Share of a normal distribution within two standard deviations: what U stands for.
@@ -163,14 +164,15 @@ pub(super) const MOST_OUTLIERS: usize = 12;
 const LARGEST_RATIO: f64 = 1000.0;
 
 /// One reading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct ReadingPlace {
     /// The diagonal.
     pub diagonal: Diagonal,
-    /// Forward or reverse.
-    pub pass: Pass,
     /// Number of the run, as in the file; `None` = the mean of all runs of the pass.
     pub run: Option<u32>,
+    /// Forward or reverse.
+    #[serde(rename = "direction")]
+    pub pass: Pass,
     /// Node of the forward path.
     pub node: usize,
 }
@@ -186,16 +188,22 @@ impl std::fmt::Display for ReadingPlace {
 }
 
 /// A disturbed reading, or several of which one is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outlier {
     /// These cannot be told apart; one of them is disturbed.
     pub readings: Vec<ReadingPlace>,
     /// By how much, µm (sign of the first one).
     pub size_um: f64,
     /// The same in standard deviations.
+    #[serde(rename = "standard_deviations", serialize_with = "to_picometres")]
     pub ratio: f64,
     /// By how much the mean over the runs is off, µm: that is what was separated.
+    #[serde(skip)]
     pub of_mean_um: f64,
+}
+
+fn to_picometres<S: Serializer>(number: &f64, to: S) -> Result<S::Ok, S::Error> {
+    picometres(*number).serialize(to)
 }
 
 impl Outlier {

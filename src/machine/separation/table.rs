@@ -38,18 +38,16 @@ impl From<&ErrorTable> for ErrorSource {
 impl ErrorSource {
     /// The errors of a job, of readings as the very table that `separate -o` writes.
     pub fn table(&self, job: &Job) -> Result<Cow<'_, ErrorTable>, Problems> {
-        let (separation, readings, comments) = match self {
-            ErrorSource::Table(table) => return Ok(Cow::Borrowed(table)),
+        match self {
+            ErrorSource::Table(table) => Ok(Cow::Borrowed(table)),
             ErrorSource::Separated { separation, readings, comments } => {
-                (separation, readings, comments)
+                check_policy(job, separation)?;
+                let text = error_table::write(&draft(separation, job, comments.clone()));
+                let name = format!("nine errors separated from {readings}");
+                let source = Source::from_bytes(&name, text.as_bytes())?;
+                Ok(Cow::Owned(ErrorTable::read(source)?))
             }
-        };
-        check_policy(job, separation)?;
-        let draft = draft(separation, job, comments.clone());
-        let text = error_table::write(&draft);
-        let name = format!("nine errors separated from {readings}");
-        let table = ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)?;
-        Ok(Cow::Owned(table))
+        }
     }
 }
 
@@ -120,22 +118,21 @@ fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
     if !separation.is_both_ways() {
         return Ok(());
     }
-    let is_open = |axis: &Axis| !separation.is_directed(*axis);
-    let policy = |axis: Axis| job.compensation.backlash[axis];
-    let open = || Axis::ALL.into_iter().filter(is_open);
-    let both = [BacklashPolicy::TwoTables, BacklashPolicy::CurveAndParameter];
-    let needed = open().filter(|axis| policy(*axis).is_some_and(|own| both.contains(&own)));
-    let needed: Vec<Axis> = needed.collect();
-    match (open().any(|axis| policy(axis).is_none()), needed.is_empty()) {
-        (true, _) => Err(job
+    let open = Axis::ALL.into_iter().filter(|axis| !separation.is_directed(*axis));
+    let policy = |axis: &Axis| job.compensation.backlash[*axis];
+    if open.clone().any(|axis| policy(&axis).is_none()) {
+        return Err(job
             .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
-            .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings")),
-        (false, false) => Err(job
-            .problem_at(
-                "compensation.backlash",
-                format!("this needs the reversal of each axis, which these readings do not determine for {}", joined(needed)),
-            )
-            .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
-        (false, true) => Ok(()),
+            .help("write `backlash = \"mean\"` or \"forward-only\"; the reversal of each axis is not determined by these readings"));
     }
+    let both = [Some(BacklashPolicy::TwoTables), Some(BacklashPolicy::CurveAndParameter)];
+    let needed = joined(open.filter(|axis| both.contains(&policy(axis))));
+    if needed.is_empty() {
+        return Ok(());
+    }
+    let words = format!(
+        "this needs the reversal of each axis, which these readings do not determine for {needed}"
+    );
+    Err(job.problem_at("compensation.backlash", words)
+        .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`"))
 }

@@ -1,9 +1,9 @@
 //! ISO 230-6 and ASME B5.54: figures of the body diagonals.
 
 use crate::inputs::target_runs::Runs;
-use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
+use crate::machine::standards::iso_230_2::{self, Travel};
 use crate::machine::standards::{Condition, Met, largest, range};
-use crate::quantity::{Diagonal, PathKind};
+use crate::quantity::{Diagonal, Direction, PathKind};
 
 /// Edition of ISO 230-6 that is meant.
 const EDITION: [u16; 1] = [2002];
@@ -13,8 +13,10 @@ const EDITION: [u16; 1] = [2002];
 pub struct DiagonalFigures {
     /// Its name, e.g. `PPN`.
     pub name: String,
+    /// Its runs up and down.
+    pub runs: [usize; 2],
     /// E, M, B, B̄, R and A as for an axis, on the coordinate along the diagonal.
-    pub figures: AxisFigures,
+    pub figures: iso_230_2::Figures,
     /// Largest minus smallest mean deviation over all directions that were measured, µm: E where
     /// both were, E↑ or E↓ where one was.
     pub range_um: Option<f64>,
@@ -58,12 +60,13 @@ pub struct Diagonals {
 pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bool) -> Diagonals {
     let mut means = Vec::new();
     let figures = diagonals.iter().map(|(name, runs)| {
-        let iso_230_2::Figures { targets, axis } = iso_230_2::figures(runs);
+        let figures = iso_230_2::figures(runs);
         // Mean deviations x̄_i↑ and x̄_i↓ of all targets, µm.
-        let own = targets.iter().flat_map(|target| [target.mean.up_um, target.mean.down_um]);
+        let own = figures.targets.iter().flat_map(|of| [of.mean.up_um, of.mean.down_um]);
         let own: Vec<f64> = own.flatten().collect();
         means.extend_from_slice(&own);
-        DiagonalFigures { name: (*name).to_string(), figures: axis, range_um: range(own) }
+        let runs = Direction::BOTH.map(|way| runs.count(way));
+        DiagonalFigures { name: (*name).to_string(), runs, figures, range_um: range(own) }
     });
     let figures: Vec<DiagonalFigures> = figures.collect();
     let complete = figures.len() == Diagonal::ALL.len();
@@ -82,8 +85,8 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bo
     };
     Diagonals {
         label,
-        e_d_um: of_machine(|of| of.figures.e.both_um),
-        b_d_um: of_machine(|of| of.figures.b_um),
+        e_d_um: of_machine(|of| of.figures.axis.e.both_um),
+        b_d_um: of_machine(|of| of.figures.axis.b_um),
         largest_range_um: of_machine(|of| of.range_um),
         range_over_all_um: range(means).filter(|_| complete),
         diagonals: figures,

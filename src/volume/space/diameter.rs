@@ -137,20 +137,12 @@ impl Search<'_> {
             let nodes = sight.beyond(side, least, most)?;
             Some(nodes.into_iter().map(|places| self.seen(places)).collect())
         };
-        let Some(top) = list(AHEAD, needed - depth) else {
-            return true;
-        };
-        let Some(bottom) = list(BEHIND, needed - high) else {
-            return true;
-        };
-        self.compare(cell, &Ends { top, bottom });
+        let lists = list(AHEAD, needed - depth)
+            .and_then(|top| Some(Ends { top, bottom: list(BEHIND, needed - high)? }));
+        let Some(ends) = lists else { return true };
+        let middle = self.map.at(self.map.node(self.longest.pair[0]));
+        search(cell, &ends, Frame { middle, room: self.room }, &mut self.longest);
         false
-    }
-
-    fn compare(&mut self, cell: DirectionCell, ends: &Ends) {
-        let [number, _] = self.longest.pair;
-        let frame = Frame { middle: self.map.at(self.map.node(number)), room: self.room };
-        search(cell, ends, frame, &mut self.longest);
     }
 
     /// All vectors, where the map is constant but for rounding.

@@ -10,7 +10,7 @@
 //! processor.
 
 use crate::volume::space::grid_map::Vector;
-use crate::volume::space::pair::{Ends, Longest, Point, square};
+use crate::volume::space::pair::{Ends, Longest, Point, dot, square};
 use crate::volume::space::{diameter, pair};
 use std::ops::Range;
 
@@ -249,6 +249,7 @@ pub struct Grouping {
     pub longest: Option<Longest>,
 }
 
+#[derive(Default)]
 struct Group {
     sum: Vector,
     mean: Vector,
@@ -266,17 +267,17 @@ struct Group {
 pub fn grouping(vectors: &[Vector], tolerance: Tolerance) -> Grouping {
     let mut groups: Vec<Group> = Vec::new();
     for (number, vector) in vectors.iter().enumerate() {
-        let [x, y, z] = vector;
-        let length = (x * x + y * y + z * z).sqrt();
+        let length = dot(vector, vector).sqrt();
         if length <= 0.0 {
             continue;
         }
         let unit = vector.map(|c| c / length);
-        let near = |group: &&mut Group| apart(&unit, &group.mean) <= tolerance.angular;
-        match groups.iter_mut().find(near) {
-            Some(group) => group.join(number, unit, length, tolerance.magnitude),
-            None => groups.push(Group::of(number, unit, length)),
+        let near = |group: &Group| apart(&unit, &group.mean) <= tolerance.angular;
+        let place = groups.iter().position(near).unwrap_or(groups.len());
+        if place == groups.len() {
+            groups.push(Group::default());
         }
+        groups[place].join(number, unit, length, tolerance.magnitude);
     }
     let members = groups.iter().flat_map(|group| &group.members);
     let mut records: Vec<usize> = members.map(|(number, _)| *number).collect();
@@ -297,16 +298,6 @@ fn compare(vectors: &[Vector], records: &[usize]) -> Option<Longest> {
 }
 
 impl Group {
-    fn of(number: usize, unit: Vector, length: f64) -> Group {
-        Group {
-            sum: unit,
-            mean: unit,
-            joined: 1.0,
-            largest: length,
-            members: vec![(number, length)],
-        }
-    }
-
     fn join(&mut self, number: usize, unit: Vector, length: f64, magnitude: f64) {
         for (sum, c) in self.sum.iter_mut().zip(unit) {
             *sum += c;

@@ -5,10 +5,11 @@
 //! every bin in which drawn pairs fell has a standard error. Drawing is seeded: the same seed gives the same figures.
 
 use super::diameter::diameter;
-use super::grid_map::{GridMap, Node};
+use super::grid_map::{GridMap, Node, node};
 use super::histogram::{bin, pairs};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::Serialize;
 use std::ops::Range;
 
 /// Parts of an axis.
@@ -20,18 +21,19 @@ const LEAST: u64 = 4;
 /// Bins at most.
 const BINS: usize = 1 << 20;
 
-/// Counts of bins that were not counted but estimated.
-#[derive(Clone, Debug, PartialEq)]
+/// Counts of bins that were not counted but estimated, and what they rest on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
+    /// Pairs drawn.
+    pub drawn: u64,
     /// Estimated number of pairs of each bin, as in [`super::histogram::exact`]. `None` where no drawn pair fell into it: up to about
     /// 3/`drawn` of all pairs may be there (95 %). The last bin holds the largest difference, so
     /// never less than 1.
+    #[serde(skip)]
     pub counts: Vec<Option<f64>>,
     /// Standard error of each count. `None` where the drawn pairs show no scatter, because none,
     /// or every one of a stratum, fell into the bin: it is not 0 but unknown.
     pub standard_errors: Vec<Option<f64>>,
-    /// Pairs drawn.
-    pub drawn: u64,
 }
 
 /// A box of nodes.
@@ -53,9 +55,8 @@ pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Est
     if bin_um.is_nan() || bin_um <= 0.0 || last >= BINS {
         return None;
     }
-    let zeros = vec![0.0; last + 1];
-    let hits = vec![0; last + 1];
-    let mut sums = Sums { hits, counts: zeros.clone(), variances: zeros, drawn: 0 };
+    let (mut hits, mut drawn) = (vec![0_u64; last + 1], 0);
+    let [mut counts, mut variances] = [(); 2].map(|()| vec![0.0; last + 1]);
     for (stream, (one, other)) in strata(map.size()).into_iter().enumerate() {
         let size = if one == other {
             pairs(count(&one))
@@ -70,41 +71,23 @@ pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Est
         let share = u128::from(draws) * u128::from(size) / u128::from(pairs(map.count()));
         let number = u64::try_from(share).unwrap_or(u64::MAX).max(LEAST);
         for _ in 0..number {
-            sums.hits[bin(two(&mut random, &one, &other)).min(last)] += 1;
+            hits[bin(two(&mut random, &one, &other)).min(last)] += 1;
         }
-        sums.close(size, number);
+        drawn += number;
+        let (size, n) = (size as f64, number as f64);
+        let sums = counts.iter_mut().zip(&mut variances);
+        for (hits, (count, variance)) in hits.iter_mut().zip(sums).filter(|(hits, _)| **hits > 0) {
+            let part = std::mem::take(hits) as f64 / n;
+            *count += size * part;
+            *variance += size * size * part * (1.0 - part) / (n - 1.0);
+        }
     }
     let above_zero = |value: f64| (value > 0.0).then_some(value);
-    let mut counts: Vec<Option<f64>> = sums.counts.into_iter().map(above_zero).collect();
+    let mut counts: Vec<Option<f64>> = counts.into_iter().map(above_zero).collect();
     counts[last] = Some(counts[last].unwrap_or(1.0).max(1.0));
-    let errors = sums.variances.into_iter().map(f64::sqrt);
+    let errors = variances.into_iter().map(f64::sqrt);
     let standard_errors = errors.map(above_zero).collect();
-    Some(Estimate { counts, standard_errors, drawn: sums.drawn })
-}
-
-/// What the strata have given so far.
-struct Sums {
-    hits: Vec<u64>,
-    counts: Vec<f64>,
-    variances: Vec<f64>,
-    drawn: u64,
-}
-
-impl Sums {
-    /// Adds a stratum of `size` pairs of which `drawn` were drawn.
-    fn close(&mut self, size: u64, drawn: u64) {
-        let (size, n) = (size as f64, drawn as f64);
-        let sums = self.counts.iter_mut().zip(&mut self.variances);
-        for (hits, (count, variance)) in self.hits.iter_mut().zip(sums) {
-            if *hits > 0 {
-                let part = *hits as f64 / n;
-                *count += size * part;
-                *variance += size * size * part * (1.0 - part) / (n - 1.0);
-                *hits = 0;
-            }
-        }
-        self.drawn += drawn;
-    }
+    Some(Estimate { drawn, counts, standard_errors })
 }
 
 fn count(block: &Block) -> usize {
@@ -113,23 +96,17 @@ fn count(block: &Block) -> usize {
 
 /// Every block with itself and with those that follow.
 fn strata(size: Node) -> Vec<(Block, Block)> {
-    let cut = |axis: usize| {
-        let parts = PARTS.min(size[axis]);
-        let at = move |n: usize| n * size[axis] / parts;
-        (0..parts).map(move |n| at(n)..at(n + 1))
+    let parts = size.map(|nodes| PARTS.min(nodes));
+    let block = |number: usize| -> Block {
+        let cell = node(number, parts);
+        let at = |axis: usize, n: usize| n * size[axis] / parts[axis];
+        [0, 1, 2].map(|axis| at(axis, cell[axis])..at(axis, cell[axis] + 1))
     };
-    let mut blocks: Vec<Block> = Vec::new();
-    for i in cut(0) {
-        for j in cut(1) {
-            blocks.extend(cut(2).map(|k| [i.clone(), j.clone(), k]));
-        }
-    }
-    let mut strata = Vec::new();
-    for (n, one) in blocks.iter().enumerate() {
-        let others = blocks[n..].iter();
-        strata.extend(others.map(|other| (one.clone(), other.clone())));
-    }
-    strata
+    let blocks: Vec<Block> = (0..parts.iter().product()).map(block).collect();
+    let with_others = |(n, one): (usize, &Block)| {
+        blocks[n..].iter().map(|other| (one.clone(), other.clone())).collect::<Vec<_>>()
+    };
+    blocks.iter().enumerate().flat_map(with_others).collect()
 }
 
 fn draw(random: &mut ChaCha8Rng, block: &Block) -> Node {

@@ -9,7 +9,7 @@ use crate::volume::space::grid_map::Vector;
 use crate::volume::space::pair::{cross, dot, minus, square};
 
 /// Vectors that are kept before those inside the hull are dropped.
-const MOST_VECTORS: usize = 1 << 20;
+pub(super) const MOST_VECTORS: usize = 1 << 20;
 /// The hull grows until so small a part of them lies outside.
 const PART_OUTSIDE: usize = 8;
 /// At most so often; every time by the furthest vector of each facet.
@@ -29,11 +29,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    pub(super) fn new() -> Cloud {
-        Cloud::holding(MOST_VECTORS)
-    }
-
-    /// The same with another bound of its memory.
+    /// With a bound of its memory.
     pub(super) fn holding(most: usize) -> Cloud {
         Cloud {
             most,

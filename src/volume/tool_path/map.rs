@@ -57,10 +57,7 @@ impl PathMap {
         cubic: bool,
         state: impl Fn(Axis, f64) -> AxisState,
     ) -> PathMap {
-        let axes = Axis::ALL.map(|axis| {
-            let (nodes, pieces) = pieces(&nodes[axis], cubic, |at| state(axis, at).values());
-            AxisPieces { nodes, pieces }
-        });
+        let axes = Axis::ALL.map(|axis| pieces(&nodes[axis], cubic, |at| state(axis, at).values()));
         let counts = |behind: &[Axis]| Axis::ALL.map(|axis| f64::from(behind.contains(&axis)));
         PathMap {
             behind: [counts(&order[1..]), counts(&order[2..])],
@@ -169,7 +166,7 @@ fn cubic_at(piece: &Piece, s: f64) -> [f64; 6] {
 /// ([`JUMP_MM`]) is two pieces, the value before it and the value behind it: whichever way a path
 /// goes, it meets both, and where exactly it is there does not matter. Gives the nodes between the
 /// pieces too.
-fn pieces(nodes: &[f64], cubic: bool, at: impl Fn(f64) -> [f64; 6]) -> (Vec<f64>, Vec<Piece>) {
+fn pieces(nodes: &[f64], cubic: bool, at: impl Fn(f64) -> [f64; 6]) -> AxisPieces {
     let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
     let mut split = vec![first];
     let mut pieces = vec![straight(at(first), at(first - 1.0), -1.0)];
@@ -188,7 +185,7 @@ fn pieces(nodes: &[f64], cubic: bool, at: impl Fn(f64) -> [f64; 6]) -> (Vec<f64>
         split.push(pair[1]);
     }
     pieces.push(straight(at(last), at(last + 1.0), 1.0));
-    (split, pieces)
+    AxisPieces { nodes: split, pieces }
 }
 
 /// From a value on, with the slope to another one so far away.

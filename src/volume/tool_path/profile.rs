@@ -1,6 +1,6 @@
 //! Following the moves of a program: extremes, samples, and what lies outside.
 
-use super::cloud::Cloud;
+use super::cloud::{Cloud, MOST_VECTORS};
 use super::extremes::{Channel, Range, squares, through, turning_points};
 use super::map::PathMap;
 use crate::inputs::job::Job;
@@ -138,7 +138,7 @@ impl<'m> Profile<'m> {
             limits,
             cell: [0; 3],
             cuts: Vec::new(),
-            cloud: Cloud::new(),
+            cloud: Cloud::holding(MOST_VECTORS),
             found: Summary::default(),
         }
     }
@@ -352,17 +352,12 @@ impl<'m> Profile<'m> {
     }
 
     fn is_held(&self, place: Place) -> bool {
-        let outside = |(axis, mm): (usize, f64)| {
-            self.limits.measured[axis].is_some_and(|(low, high)| mm < low || mm > high)
-        };
-        place.into_iter().enumerate().any(outside)
+        (0..3).any(|axis| missed(self.limits.measured[axis], place[axis], 0.0).is_some())
     }
 
     fn check_travel(&self, place: Place) -> Result<(), Refused> {
-        for (axis, travel) in self.limits.travel.iter().enumerate() {
-            let Some((low, high)) = *travel else { continue };
-            let at = place[axis];
-            if at < low - TRAVEL_TOLERANCE_MM || at > high + TRAVEL_TOLERANCE_MM {
+        for (axis, at) in place.into_iter().enumerate() {
+            if let Some((low, high)) = missed(self.limits.travel[axis], at, TRAVEL_TOLERANCE_MM) {
                 return Err(Refused::new(format!(
                         "the move leads to {} = {:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
                         Axis::ALL[axis],
@@ -375,13 +370,9 @@ impl<'m> Profile<'m> {
 
     fn check_measured(&mut self, stretch: &Stretch) -> Result<(), Refused> {
         for axis in 0..3 {
-            let Some((low, high)) = self.limits.measured[axis] else {
-                continue;
-            };
             for at in [stretch.from[axis], stretch.to[axis]] {
-                if at >= low && at <= high {
-                    continue;
-                }
+                let range = missed(self.limits.measured[axis], at, 0.0);
+                let Some((low, high)) = range else { continue };
                 if self.limits.refuse_outside {
                     return Err(Refused::new(format!(
                             "the path is at {} = {:.3} mm, outside the measured range {low} … {high} mm",
@@ -389,25 +380,20 @@ impl<'m> Profile<'m> {
                             Figure(at)
                         )).help("measure there, or write `outside = \"hold\"` in [path]"));
                 }
-                self.note_outside(axis, at, stretch.common.line);
+                self.note_outside((axis, at), (low, high), stretch.common.line);
             }
         }
         Ok(())
     }
 
     #[cold]
-    fn note_outside(&mut self, axis: usize, at: f64, line: usize) {
+    fn note_outside(&mut self, (axis, at): (usize, f64), measured_mm: (f64, f64), line: usize) {
         let outside = &mut self.found.outside;
         match outside.iter_mut().find(|outside| outside.axis == axis) {
             Some(Outside { reached_mm, .. }) => {
                 *reached_mm = (reached_mm.0.min(at), reached_mm.1.max(at));
             }
-            None => outside.extend(self.limits.measured[axis].map(|measured_mm| Outside {
-                axis,
-                reached_mm: (at, at),
-                measured_mm,
-                line,
-            })),
+            None => outside.push(Outside { axis, reached_mm: (at, at), measured_mm, line }),
         }
     }
 
@@ -418,6 +404,12 @@ impl<'m> Profile<'m> {
         found.outside.sort_by_key(|outside| outside.axis);
         Summary { vectors, room_um, ..found }
     }
+}
+
+/// The range, where a place lies beyond it by more than so much.
+#[inline]
+fn missed(range: Option<(f64, f64)>, at: f64, by: f64) -> Option<(f64, f64)> {
+    range.filter(|(low, high)| at < low - by || at > high + by)
 }
 
 impl Summary {

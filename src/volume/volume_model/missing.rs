@@ -2,7 +2,7 @@
 
 use super::{Component, VolumeModel};
 use crate::inputs::job::Job;
-use crate::machine::model::{ErrorModel, Measured};
+use crate::machine::model::ErrorModel;
 use crate::quantity::{Axis, ErrorTerm, LeverEffect, Millimetres, PerAxis, Rotation, unit};
 use crate::text::Finding;
 use crate::volume::findings::VolumeFinding as Found;
@@ -93,19 +93,11 @@ impl VolumeModel {
     /// The effects of a rotation that was not measured, at the far end of its levers; `None` = it
     /// has none.
     fn left_out(&self, rotation: Rotation) -> Option<String> {
-        let mut words: Vec<String> = self
-            .chain
-            .effects(rotation)
-            .into_iter()
-            .map(|effect| self.at_far_end(effect))
-            .collect();
-        let tool = self.levers.tool.filter(|tool| {
-            let crosswise = |axis: Axis| axis != rotation.about && tool[axis].mm().abs() > 0.0;
-            Axis::ALL.into_iter().any(crosswise)
-        });
-        if tool.is_some() {
-            words.push("the tool offset swings with it".to_string());
-        }
+        let effects = self.chain.effects(rotation).into_iter();
+        let effects = effects.map(|effect| self.at_far_end(effect));
+        let swings = Axis::ALL.into_iter().any(|direction| self.swings(rotation, direction));
+        let tool = swings.then(|| "the tool offset swings with it".to_string());
+        let words: Vec<String> = effects.chain(tool).collect();
         (!words.is_empty()).then(|| words.join("; "))
     }
 
@@ -216,13 +208,11 @@ const SHOWN_URAD: f64 = 0.0005;
 const EDGE_MM: f64 = 0.01;
 
 fn of_directions(model: &ErrorModel, axis: Axis) -> Option<Found> {
-    let mut found = None;
-    for (_, measured) in model.measured().filter(|(term, _)| term.along == axis) {
-        match measured.measured {
-            Measured::BothWays { .. } => return Some(Found::BothDirections { axis }),
-            Measured::OneWay(..) => found = Some(Found::OneDirection { axis }),
-            Measured::Undirected(_) => {}
-        }
+    let own = model.measured().filter(|(term, _)| term.along == axis);
+    let ways = own.map(|(_, of)| of.measured.ways().filter(|(way, _)| way.is_some()).count());
+    match ways.max()? {
+        2 => Some(Found::BothDirections { axis }),
+        1 => Some(Found::OneDirection { axis }),
+        _ => None,
     }
-    found
 }

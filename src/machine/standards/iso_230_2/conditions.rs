@@ -5,7 +5,7 @@ use crate::machine::findings::StandardFinding;
 use crate::machine::standards::iso_230_2::EDITIONS;
 use crate::machine::standards::{Condition, Met, in_words, range};
 use crate::quantity::{Direction, UM_PER_MM};
-use crate::text::{Finding, Problem};
+use crate::text::{Finding, Problem, counted};
 
 /// Above this length of travel other conditions hold, mm.
 pub const LONG_AXIS_MM: f64 = 2000.0;
@@ -192,9 +192,8 @@ fn spread(runs: &Runs, travel: Travel) -> Condition {
 
 /// `5 runs up, 5 down`.
 pub(in crate::machine::standards) fn runs_words(runs: &Runs) -> String {
-    let up = runs.count(Direction::Plus);
-    let plural = if up == 1 { "" } else { "s" };
-    format!("{up} run{plural} up, {} down", runs.count(Direction::Minus))
+    let [up, down] = Direction::BOTH.map(|way| runs.count(way));
+    format!("{} up, {down} down", counted(up, "run"))
 }
 
 /// What has to be said beside the figures: why some are absent, and which the standard does not
