@@ -87,9 +87,8 @@ fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
             return Ok(chain);
         }
         let Some(hash) = predecessor["manifest_sha256"].as_str() else {
-            chain.read_out = Some(predecessor.clone());
-            chain.end = "read-out";
-            return Ok(chain);
+            let read_out = Some(predecessor.clone());
+            return Ok(Chain { end: "read-out", read_out, ..chain });
         };
         let found = match chain.kits.len() < LONGEST_CHAIN {
             true => find(files, Path::new(&link.directory), path, hash),
@@ -97,11 +96,7 @@ fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
         };
         match found {
             Ok(found) => chain.kits.push(found),
-            Err(words) => {
-                chain.broken = Some(words);
-                chain.end = "broken";
-                return Ok(chain);
-            }
+            Err(words) => return Ok(Chain { end: "broken", broken: Some(words), ..chain }),
         }
     }
 }

@@ -210,7 +210,7 @@ fn limits(job: &Job, grounds: &Grounds) -> String {
 }
 
 /// A heading with lines; nothing without any.
-fn headed(heading: &str, lines: impl Iterator<Item = String>) -> String {
+pub(super) fn headed(heading: &str, lines: impl Iterator<Item = String>) -> String {
     lines.fold(String::new(), |text, line| match text.is_empty() {
         true => format!("{heading}\n{line}"),
         false => format!("{text}\n{line}"),

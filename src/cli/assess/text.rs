@@ -306,8 +306,7 @@ fn windows(page: &Page) -> String {
         by([size.x, size.y, size.z].map(|mm| short(mm).to_string())),
         by([grid.x, grid.y, grid.z].map(|nodes| nodes.to_string())),
     );
-    let lines = std::iter::once(head).chain(page.sides().filter_map(line));
-    lines.collect::<Vec<_>>().join("\n")
+    show::headed(&head, page.sides().filter_map(line))
 }
 
 fn histogram(page: &Page) -> String {
@@ -376,8 +375,7 @@ fn grouping(page: &Page) -> String {
         "grouping of paper 002 §4.2, tolerances {} (angle) and {} (length), for comparison only: it may miss the largest difference",
         found.angular_tolerance, found.magnitude_tolerance
     );
-    let lines = std::iter::once(head).chain(page.sides().filter_map(line));
-    lines.collect::<Vec<_>>().join("\n")
+    show::headed(&head, page.sides().filter_map(line))
 }
 
 fn place(place: PerAxis<f64>) -> String {

@@ -166,8 +166,7 @@ impl<'a> Trial<'a> {
         }
         let (recorded, intervals) = (others.remove(0).1, budget.volume().steps_f64() - 1.0);
         let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
-        let spread = ChiSquared::new(freedom).ok()?;
-        let believed = spread.inverse_cdf(BELIEVED);
+        let believed = ChiSquared::new(freedom).ok()?.inverse_cdf(BELIEVED);
         Some(Trial { budget, raw_runs, recorded, others, freedom, believed, intervals, sigma_um })
     }
 
