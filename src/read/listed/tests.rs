@@ -85,16 +85,20 @@ fn positions_and_increments_say_the_same_as_amounts() {
     assert_eq!(um(&facts, &changes, &places), expected);
 }
 
+/// No axis leaves its travel: the last value of a table that ends there has no step behind it.
 #[test]
-fn outside_a_table_there_is_nothing_where_the_profile_says_so() {
+fn a_table_that_covers_the_travel_keeps_its_last_value_where_nothing_is_added_outside() {
     let mut facts = weihong();
     let tables = table(&[(0.0, 0.002, Some(0.004)), (1000.0, -0.006, Some(0.0))]);
-    let places = [-1.0, 0.0, 500.0, 1000.0, 1000.1, 5000.0];
-    let held = [[-2.0, -4.0], [-2.0, -4.0], [2.0, -2.0], [6.0, 0.0], [6.0, 0.0], [6.0, 0.0]];
-    assert_eq!(um(&facts, &tables, &places), held);
+    let both = |facts: &DeclaredFacts| {
+        let control = control(&tables, facts, &state()).unwrap();
+        Direction::BOTH.map(|way| control.response("X", "X", way).unwrap())
+    };
+    let held = both(&facts);
     set(&mut facts.outside, Outside::Zero);
-    let zero = [[0.0, 0.0], [-2.0, -4.0], [2.0, -2.0], [6.0, 0.0], [0.0, 0.0], [0.0, 0.0]];
-    assert_eq!(um(&facts, &tables, &places), zero);
+    assert_eq!(both(&facts), held);
+    let ends = [[-2.0, -4.0], [2.0, -2.0], [6.0, 0.0]];
+    assert_eq!(um(&facts, &tables, &[0.0, 500.0, 1000.0]), ends);
 }
 
 /// The reference counts as travel; a position is rounded to 0.001 mm.
