@@ -298,14 +298,15 @@ fn csv(text: &str) -> Wrong {
     lines.find(|line| !is_row(line)).map_or(Ok(()), |line| Err(line.to_string()))
 }
 
-/// Points of tables on pages, each page with its sum; the values in one unit of length, the column `seen` empty.
+/// Points of tables on pages, each page with its sum; the values in one unit, the column `seen` empty.
 fn typed(text: &str) -> Wrong {
     let (head, rows) = text.split_once('\n').unwrap_or_default();
     let value = head
         .strip_prefix("term,base_axis,output_axis,direction,zero_mm,page,point,position_mm,")
         .and_then(|rest| rest.strip_suffix(",seen"));
-    let kind = value.and_then(|value| value.strip_suffix("_um").or(value.strip_suffix("_mm")));
-    if !matches!(kind, Some("deviation" | "correction" | "increment")) {
+    let (kind, unit) = value.and_then(|value| value.rsplit_once('_')).unwrap_or_default();
+    let is_kind = ["deviation", "correction", "increment", "outward_increment"].contains(&kind);
+    if !is_kind || !["um", "mm", "inch", "count"].contains(&unit) {
         return Err(head.to_string());
     }
     let is_row = |line: &&str| {

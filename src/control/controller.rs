@@ -21,7 +21,7 @@ mod pattern;
 pub mod program;
 mod siemens;
 
-pub use self::declared::{BesideTable, DeclaredFacts, Factor, Size};
+pub use self::declared::{BesideTable, DeclaredFacts, Factor};
 pub use self::example::{Added, Example, ExampleAxis, ExampleFile};
 pub(crate) use self::fact::RULE;
 pub use self::fact::{
@@ -33,7 +33,7 @@ pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, Template};
 pub(crate) use self::form::Listed;
-pub use self::form::{Form, Order, Rounding, ValueForm};
+pub use self::form::{Form, Order, Rounding, Size, ValueForm};
 pub use self::generic::{Typed, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub(crate) use self::linuxcnc::MOST_JOINTS;

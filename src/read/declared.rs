@@ -71,9 +71,9 @@ pub(crate) fn tables(
     facts: &DeclaredFacts,
     as_shown: bool,
 ) -> Result<ListedTables, Problems> {
-    match facts.typed.is_some() {
-        true => generic::tables(texts, as_shown),
-        false => read(texts, facts),
+    match &facts.typed {
+        Some(typed) => generic::tables(texts, typed.is_held().then(|| typed.unit_word()), as_shown),
+        None => read(texts, facts),
     }
 }
 

@@ -42,24 +42,39 @@ use crate::text::{Problem, Problems};
 /// assert_eq!(nonius::read::generic::read("table.json", json), Ok(rows));
 /// ```
 pub fn read(file_name: &str, text: &str) -> Result<Vec<Row>, Problems> {
-    rows_of(file_name, text, false)
+    rows_of(file_name, text, None, false)
 }
 
-/// The rows of a file; of a typed list as the control shows it, what was seen counts and nothing else.
-fn rows_of(file_name: &str, text: &str, as_shown: bool) -> Result<Vec<Row>, Problems> {
+/// The rows of a file; of a typed list as the control shows it, what was seen counts and nothing else. Of a control
+/// whose tables are `held` in a unit of their own, a typed list in that unit, its numbers as they stand.
+fn rows_of(
+    file_name: &str,
+    text: &str,
+    held: Option<&str>,
+    as_shown: bool,
+) -> Result<Vec<Row>, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if let Some(unit) = held.filter(|_| !typed::is_list(text)) {
+        let message = format!("`{file_name}` is no list of values in `{unit}`");
+        let help = "this control holds what was typed in: take `typed.csv` of the kit";
+        return Err(Problem::new(message).help(help).into());
+    }
     if text.trim_start().starts_with('{') {
         rows::read_json(file_name, text)
     } else if typed::is_list(text) {
-        typed::read(file_name, text, as_shown)
+        typed::read(file_name, text, held, as_shown)
     } else {
         rows::read_csv(file_name, text)
     }
 }
 
 /// The tables of the files of a kit, or, `as_shown`, of those that a control showed.
-pub(crate) fn tables(texts: &[(&str, &str)], as_shown: bool) -> Result<ListedTables, Problems> {
-    let files = texts.iter().map(|(name, text)| rows_of(name, text, as_shown));
+pub(crate) fn tables(
+    texts: &[(&str, &str)],
+    held: Option<&str>,
+    as_shown: bool,
+) -> Result<ListedTables, Problems> {
+    let files = texts.iter().map(|(name, text)| rows_of(name, text, held, as_shown));
     Ok(in_tables(&merge(Problems::all(files)?)?))
 }
 

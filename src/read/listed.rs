@@ -25,7 +25,12 @@ pub(super) fn control(
 ) -> Emulated<PairControl> {
     let load = |table: &ListedTable| {
         let name = own.table_name(table);
-        let form = own.form(table.is_own(), state.unit);
+        let mut form = own.form(table.is_own(), state.unit);
+        if form.is_of_axis {
+            let unit_um = known_axis(state, &table.output)?.detection_unit_um;
+            let none = || CannotEmulate(format!("{} has no detection unit", table.output));
+            form = form.on_axis(unit_um.ok_or_else(none)?);
+        }
         load_table(table, (&name, &form), known_axis(state, &table.base)?)
     };
     let pairs = tables.tables.iter().map(load).collect::<Result<_, _>>()?;

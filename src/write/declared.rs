@@ -8,7 +8,7 @@ mod typed;
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, TypedValue, ValueForm,
+    ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, ValueForm,
 };
 use crate::control::table::{ListedTable, ListedTables, Point, Tables, name};
 use crate::inputs::job::Compensation;
@@ -54,10 +54,9 @@ impl Family for DeclaredFacts {
         }
     }
 
-    /// Increments are zero at the reference and do not hold what a second table has there.
     fn takes_directions(&self, term: ErrorTerm) -> bool {
         match &self.typed {
-            Some(typed) => typed.value.value != TypedValue::Increment,
+            Some(typed) => typed.takes_directions(),
             None => term.is_positioning() && self.has_two(),
         }
     }
@@ -133,9 +132,11 @@ impl Family for DeclaredFacts {
         vec![is_increment.then(|| whole_below(counts))]
     }
 
-    fn cut_off_um(&self, _table: &PlannedTable) -> f64 {
+    fn cut_off_um(&self, task: Task<'_>, table: &PlannedTable) -> f64 {
         match self.value_form.value {
-            ValueForm::Amount => self.largest_value.value * self.value_size.value.um,
+            ValueForm::Amount => {
+                self.largest_value.value * listed::form_of(self, task, table).value_um
+            }
             ValueForm::Position | ValueForm::Increment => f64::INFINITY,
         }
     }

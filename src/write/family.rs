@@ -101,7 +101,7 @@ pub(crate) trait Family {
     }
 
     /// Height above which the control cuts a table off, µm.
-    fn cut_off_um(&self, _table: &PlannedTable) -> f64 {
+    fn cut_off_um(&self, _task: Task<'_>, _table: &PlannedTable) -> f64 {
         f64::INFINITY
     }
 

@@ -47,18 +47,20 @@ pub(super) fn compile(
     })
 }
 
-/// What the numbers mean of a planned table. Of the generic table each direction has its own block, and values are
-/// multiples of the detection unit.
-fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable) -> Form {
+/// What the numbers mean of a planned table. Of the generic table each direction has its own block, and values without
+/// digits of their own are multiples of the detection unit.
+pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable) -> Form {
     let unit = task.job.compensation.control_unit;
-    let form = own.form(planned.term.is_positioning(), unit);
+    let unit_um = task.detection_unit_um(planned.term.of);
+    let form = own.form(planned.term.is_positioning(), unit).on_axis(unit_um.unwrap_or(f64::NAN));
     match form.names_terms {
         false => form,
         true => Form {
             has_two: planned.direction.is_some(),
-            rounding: task
-                .detection_unit_um(planned.term.of)
-                .map_or(Rounding::None, Rounding::Multiple),
+            rounding: match (form.rounding, unit_um) {
+                (Rounding::None, Some(um)) => Rounding::Multiple(um),
+                (own, _) => own,
+            },
             ..form
         },
     }

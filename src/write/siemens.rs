@@ -130,7 +130,7 @@ impl Family for SiemensFacts {
         is_lec(table) == (mechanism == Mechanism::EncComp)
     }
 
-    fn cut_off_um(&self, table: &PlannedTable) -> f64 {
+    fn cut_off_um(&self, _task: Task<'_>, table: &PlannedTable) -> f64 {
         match is_lec(table) {
             true => f64::INFINITY,
             false => self.cec_max_sum_um.value,

@@ -97,7 +97,7 @@ fn highest(
 fn most_um(task: Task<'_>, planned: &PlannedTable) -> f64 {
     let limits = task.job.limits;
     let wanted = limits.max_bump_um.min(limits.max_correction_um);
-    wanted.min(family(task.profile).cut_off_um(planned))
+    wanted.min(family(task.profile).cut_off_um(task, planned))
 }
 
 /// The highest legal bump of a table, the narrowest of that height, nearest to the middle of the

@@ -54,6 +54,41 @@ fn the_profile_of_the_page_makes_files_that_read_back() {
     visit.run("verify job.toml --tables sample").ends(1).omits("no pattern");
 }
 
+/// The same file, counted in the detection unit of the job.
+#[test]
+fn values_may_count_the_detection_unit() {
+    let (_, fixed) = with_kit();
+    let visit = visit();
+    let profile = visit.read("norden.toml");
+    let counted = profile.replace("value = 0.05,", "value = \"0.1 detection_unit\",");
+    visit.put("norden.toml", &counted);
+    visit.run("controllers check norden.toml").ends(2).says("values count the detection unit");
+    let rule = "[facts]\ndetection_unit_required = { value = true, evidence = \"manual\", source = \"p. 88\" }";
+    let counted = replaced(&counted, "[facts]", rule);
+    visit.put("norden.toml", &counted).yes("controllers check norden.toml");
+    visit.run("generate job.toml -o kit").ends(2).says("has no `detection_unit_um`");
+    let unit = "spacing_mm = 100.0\ndetection_unit_um = 0.5";
+    visit.edit("job.toml", "spacing_mm = 100.0", unit);
+    visit.yes("generate job.toml -q -o kit");
+    let rows = |text: &str| text.lines().filter(|line| !line.starts_with('*')).count();
+    let body = |text: &str| text.split_once("TABLE").unwrap().1.to_string();
+    let text = visit.read("kit/N5.TXT");
+    assert_eq!((rows(&text), body(&text)), (rows(&fixed), body(&fixed)));
+    visit.put("read/READ.TXT", &text).yes("verify job.toml --tables read");
+    visit.edit("job.toml", "unit_um = 0.5", "unit_um = 1.0");
+    visit.run("verify job.toml --tables read").ends(1).says("every correction is double");
+    visit.put(
+        "norden.toml",
+        counted.replace(
+            "position_size = { value = \"mm\"",
+            "position_size = { value = \"detection_unit\"",
+        ),
+    );
+    visit.run("controllers check norden.toml").ends(2).says("`position_size` is out of range");
+    visit.put("norden.toml", counted.replace("0.1 detection", "-1 detection"));
+    visit.run("controllers check norden.toml").ends(2).says("`detection_unit`");
+}
+
 #[test]
 fn what_was_read_out_is_judged() {
     let (visit, text) = with_kit();

@@ -173,9 +173,10 @@ fn check_stages(stages: &[(Axis, Stage)], id: &str, policy: &str) {
             false => (largest(&reversal) + at_zero.abs()) / 2.0,
         };
         let (after, near) = match (&profile.dialect, &tables) {
-            _ if support::is_generic(&profile) && support::needs_unit(id) => (ideal, UNIT_UM / 2.0),
-            _ if support::is_generic(&profile) => (ideal, 0.0),
-            (Dialect::Declared(facts), _) => (ideal, support::count_um(facts) / 2.0),
+            (Dialect::Declared(facts), _) => {
+                let unit = support::needs_unit(id).then_some(UNIT_UM);
+                (ideal, support::count_um(facts, unit) / 2.0)
+            }
             (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => {
                 (ideal, HALF_COUNT_UM)
             }
@@ -230,7 +231,9 @@ fn the_emulated_stages_stand_where_they_should() {
             continue; // what the mean leaves stands above
         }
         let half = match &profile.dialect {
-            Dialect::Declared(facts) => support::count_um(facts) / 2.0,
+            Dialect::Declared(facts) => {
+                support::count_um(facts, support::needs_unit(id).then_some(UNIT_UM)) / 2.0
+            }
             _ if support::needs_unit(id) => UNIT_UM / 2.0,
             _ => HALF_COUNT_UM,
         };

@@ -74,6 +74,12 @@ fanuc parameters: 3620 is the point of the reference, 3621 and 3622 first and la
 fanuc *: a point is the change of the correction (minus the deviation, in um) over its section,
   seen from - to +: X 0 2 4 6 8 um gives -2 in every section after the reference point; Y 4 2 0 -3
   -6 um gives 2 2 3 3; Z 8 6 4 2 0 um gives 2 2 2 2
+mitsubishi typed.csv: twice the change of the correction in um over the section towards the reference,
+  0 there: X 0 2 4 um gives -4; Y 4 2 0 -3 um gives 4 4 0 6; Z 4 2 0 um gives 4 4 0
+haas typed.csv: minus the mean of both directions of errors.csv less that at the reference, in
+  0.0001 in of 2.54 um: X 2 4 6 8 um gives -1 -2 -2 -3; Y -6 um gives 2
+centroid typed.csv: minus the deviation of errors.csv less that at the reference of X+, in counts of 1 um
+  (X+ at 400 mm -8, X- at 0 mm -3)
 * *: deviation as in errors.csv, less that at the reference; correction is minus the deviation;
   increment is the change of the correction from the row before
 ";

@@ -124,6 +124,54 @@ fn a_list_that_is_not_whole_is_refused_at_its_place() {
     }
 }
 
+/// A profile whose list counts, or has digits of its own, holds what is typed: in no other unit is it read.
+#[test]
+fn a_list_in_counts_or_with_decimals_is_held_as_it_stands() {
+    for (id, value, of_y, foreign) in [
+        ("centroid", "correction_count", [-8.0, -4.0, 0.0, 6.0, 12.0, 6.0], "correction_um"),
+        // From the reference outwards: below it 2 µm in each section, above it 3, counts of 0.25 µm.
+        (
+            "mitsubishi-e68",
+            "outward_increment_count",
+            [8.0, 8.0, 0.0, 12.0, 12.0, 40.0],
+            "increment_count",
+        ),
+        (
+            "haas",
+            "correction_inch",
+            [-0.0002, -0.0001, 0.0, 0.0001, 0.0002, 0.0],
+            "correction_count",
+        ),
+    ] {
+        let visit = Visit::with_job(&format!("machines/five_points/{id}.toml"));
+        let job = visit.read("job.toml").replace("unit_um = 1.0", "unit_um = 0.5");
+        visit.put("job.toml", &job).yes("generate job.toml -q -o kit");
+        let list = list(&visit);
+        let rows = list.lines().filter(|row| row.starts_with("EYY,Y,Y,,"));
+        let found: Vec<f64> = rows.map(|row| cells(row)[8].parse().unwrap()).collect();
+        assert_eq!(found, of_y, "{id}: EYY at -200 … 200 mm, sum");
+        let seen = all_seen(&list);
+        judged(&visit, &seen).ends(0);
+        // The bytes say what they did, the control of this job makes twice as much of a count.
+        visit.put("job.toml", job.replace("unit_um = 0.5", "unit_um = 1.0"));
+        judged(&visit, &seen).ends(if id == "haas" { 0 } else { 1 });
+        let other = seen.replacen(value, foreign, 1);
+        let words = format!("unknown column `{foreign}`");
+        match id {
+            // The same values as changes from the point before: not zero at the first.
+            "mitsubishi-e68" => judged(&visit, &other).ends(2).says("has an increment, expected 0"),
+            _ => judged(&visit, &other).ends(2).says(&words),
+        };
+        visit.put("seen/screen.csv", "term,base_axis\n");
+        visit.run("verify job.toml --tables seen").ends(2).says("is no list of values in");
+    }
+    let visit = Visit::with_job("machines/five_points/mitsubishi-e68.toml").with_any_kit();
+    let seen = all_seen(&list(&visit));
+    let wrong = seen.replace("EYY,Y,Y,,0,2,2,0,0,0", "EYY,Y,Y,,0,2,2,0,1,1");
+    let wrong = wrong.replace("2,sum,,20,20", "2,sum,,21,21");
+    judged(&visit, &wrong).ends(2).says("the reference point has an increment, expected 0");
+}
+
 #[test]
 fn a_spreadsheet_may_write_semicolons_and_decimal_commas() {
     let visit = typed("correction", "mm", "spacing_mm = 100.0");

@@ -18,7 +18,7 @@ pub(crate) use tree::*;
 pub(crate) use visit::*;
 
 use nonius::control::controller::{
-    BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, Role, TableSign, TypedValue, builtin,
+    BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, Role, TableSign, builtin,
 };
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
@@ -124,9 +124,15 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
         .unwrap_or_else(|p| panic!("{}\n{job}", p.render()))
 }
 
-/// The last decimal of a value of a declared control, µm.
-pub(crate) fn count_um(facts: &DeclaredFacts) -> f64 {
-    facts.value_size.value.um / power_of_ten(facts.value_decimals.value)
+/// The last decimal of a value of a declared control on an axis with this detection unit, µm; a typed list without
+/// decimals of its own has that unit.
+pub(crate) fn count_um(facts: &DeclaredFacts, unit_um: Option<f64>) -> f64 {
+    let size = facts.value_size.value;
+    match &facts.typed {
+        Some(typed) if typed.decimals.is_none() && !size.is_of_axis => unit_um.unwrap_or(0.0),
+        _ if size.is_of_axis => size.um * unit_um.unwrap(),
+        _ => size.um / power_of_ten(facts.value_decimals.value),
+    }
 }
 
 /// Whether a job for a built-in control has to state detection units.
@@ -143,7 +149,7 @@ pub(crate) fn is_generic(profile: &Profile) -> bool {
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Declared(facts) => match &facts.typed {
-            Some(typed) => typed.value.value != TypedValue::Increment,
+            Some(typed) => typed.takes_directions(),
             None => facts.has_two(),
         },
         Dialect::Isg(_) => false,

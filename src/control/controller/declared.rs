@@ -10,7 +10,7 @@
 
 use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
-use super::form::{Form, Listed, Order, Rounding, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, Size, ValueForm};
 use super::generic::Typed;
 use super::pattern::{Field, Pattern};
 use crate::control::table::{ListedTable, ListedTables, Tables};
@@ -57,33 +57,6 @@ words! {
     }
 }
 
-/// Size of 1 in a file, µm: a unit of length, or counts of any size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Size {
-    /// Micrometres.
-    pub um: f64,
-}
-
-impl Size {
-    /// The size of a unit of length by its word, in capitals or not.
-    pub(crate) fn of_word(word: &str) -> Option<Size> {
-        let mut all = SIZES.iter();
-        let own = all.find(|(own, _)| own.eq_ignore_ascii_case(word))?;
-        Some(Size { um: own.1.um() })
-    }
-}
-
-impl Stated for Size {
-    fn read(fact: &Section<'_>) -> Option<Self> {
-        let is_text = fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\'']));
-        let um = match is_text {
-            true => fact.choice("value", SIZES)?.um(),
-            false => fact.positive("value")?,
-        };
-        Some(Size { um })
-    }
-}
-
 /// A number in place of a table: how far an axis leans while another one moves, mm in a mm, zero at position 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
@@ -117,9 +90,6 @@ impl Stated for Vec<Factor> {
     }
 }
 
-const SIZES: &[(&str, LengthUnit)] =
-    &[("mm", LengthUnit::Mm), ("um", LengthUnit::Um), ("inch", LengthUnit::In)];
-
 section! {
     /// Facts of a declared control.
     #[derive(Clone, Debug, PartialEq)]
@@ -143,13 +113,13 @@ section! {
         /// In which form a number says it.
         pub value_form: Fact<ValueForm> = stated(), or Fact::rule(ValueForm::Amount);
         /// Size of 1 of a value.
-        pub value_size: Fact<Size> = stated(), or Fact::rule(Size { um: if factors.is_some() { UM_PER_MM } else { 1.0 } });
+        pub value_size: Fact<Size> = stated(), or Fact::rule(typed.as_ref().map_or(Size::fixed(if factors.is_some() { UM_PER_MM } else { 1.0 }), Typed::size));
         /// Decimals of values; one count is the last decimal.
         pub value_decimals: Fact<u32> = decimals(), or Fact::rule(0);
         /// Largest value that the control takes, either sign, as in the file.
         pub largest_value: Fact<f64> = stated(), or Fact::rule(f64::INFINITY);
         /// Size of 1 of a position.
-        pub position_size: Fact<Size> = stated(), or Fact::rule(Size { um: UM_PER_MM });
+        pub position_size: Fact<Size> = stated(), or Fact::rule(Size::fixed(UM_PER_MM));
         /// Decimals of positions.
         pub position_decimals: Fact<u32> = decimals(), or Fact::rule(6);
         /// Order of the points.
@@ -194,6 +164,11 @@ impl DeclaredFacts {
     /// Reads and checks them.
     pub(super) fn checked(facts: &Facts<'_>) -> Option<DeclaredFacts> {
         let own = DeclaredFacts::read(facts)?;
+        if own.value_size.value.is_of_axis {
+            let required = facts.stated("detection_unit_required")?;
+            let expected = "`true`: values count the detection unit";
+            facts.expect("detection_unit_required", required.value, expected);
+        }
         for (name, is_right, expected) in own.rules() {
             facts.expect(name, is_right, expected);
         }
@@ -209,12 +184,12 @@ impl DeclaredFacts {
         let has_two = self.has_two();
         let is_ascending = self.order.value == Order::Ascending;
         let is_spaced = self.is_spaced();
-        let sizes = [&self.value_size, &self.position_size].map(|size| size.value.um);
         [
             (
                 "position_size",
-                self.millimetre_decimals().is_some()
-                    || self.form(true, ControlUnit::Millimetre).is_inch(),
+                !self.position_size.value.is_of_axis
+                    && (self.millimetre_decimals().is_some()
+                        || self.form(true, ControlUnit::Millimetre).is_inch()),
                 "`mm`, `um`, `inch`, or a power of ten of a micrometre",
             ),
             (
@@ -235,7 +210,7 @@ impl DeclaredFacts {
             (
                 "value_size",
                 self.value_form.value != ValueForm::Position
-                    || sizes[0].total_cmp(&sizes[1]).is_eq(),
+                    || self.value_size.value == self.position_size.value,
                 "the size of positions: the values are positions",
             ),
             (
@@ -334,8 +309,12 @@ impl Listed for DeclaredFacts {
             sign: self.sign(is_own).value,
             value: self.value_form.value,
             value_um: self.value_size.value.um,
+            is_of_axis: self.value_size.value.is_of_axis,
             value_decimals: self.value_decimals.value,
-            rounding: Rounding::LastDecimal,
+            rounding: match &self.typed {
+                Some(typed) if !typed.is_held() => Rounding::None,
+                _ => Rounding::LastDecimal,
+            },
             largest: self.largest_value.value,
             position_um: self.position_size.value.um,
             position_decimals: self.position_decimals.value,

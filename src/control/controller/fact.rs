@@ -457,8 +457,10 @@ impl<'a> Facts<'a> {
     fn needed(&self, name: &'static str) -> Option<Section<'a>> {
         let has = |list: &str| list.split(' ').any(|own| own == name);
         let factors = self.section.has("factors") && (has(OF_LINES) || has("points cross_terms"));
-        let typed =
-            self.is_typed.get() && (has(OF_LINES) || has("cross_sign value_decimals lines"));
+        let is_free = name == "value_decimals" && self.section.has(name);
+        let typed = self.is_typed.get()
+            && !is_free
+            && (has(OF_LINES) || has("cross_sign value_decimals lines"));
         match factors || typed {
             true => None,
             false => self.section.required_section(name),

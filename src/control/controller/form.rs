@@ -1,8 +1,8 @@
 //! What the numbers of tables say whose points stand one by one, whichever control holds them.
 
-use super::fact::{ControlUnit, Outside, TableSign};
+use super::fact::{ControlUnit, Outside, Stated, TableSign};
 use crate::control::table::ListedTable;
-use crate::text::{LengthUnit, words};
+use crate::text::{LengthUnit, Section, words};
 
 words! {
     /// In which form a number of a table says what it says.
@@ -37,6 +37,55 @@ pub enum Rounding {
     None,
 }
 
+/// Size of 1 in a file: a unit of length, or counts of any size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Micrometres; of counts of an axis, its detection units.
+    pub um: f64,
+    /// It counts in the detection unit of the corrected axis.
+    pub is_of_axis: bool,
+}
+
+impl Size {
+    /// The same on every axis.
+    pub const fn fixed(um: f64) -> Size {
+        Size { um, is_of_axis: false }
+    }
+
+    /// The size of a unit of length by its word, in capitals or not.
+    pub(crate) fn of_word(word: &str) -> Option<Size> {
+        let mut all = SIZES.iter();
+        Some(all.find(|(own, _)| own.eq_ignore_ascii_case(word))?.1)
+    }
+
+    /// The word of a unit of length; `None` = counts.
+    pub(crate) fn word(self) -> Option<&'static str> {
+        let own = SIZES.iter().find(|(_, own)| *own == self && !own.is_of_axis);
+        own.map(|(word, _)| *word)
+    }
+}
+
+impl Stated for Size {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        let is_text = fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\'']));
+        if !is_text {
+            return fact.positive("value").map(Size::fixed);
+        }
+        let in_units = |text: String| {
+            let times: f64 = text.strip_suffix(" detection_unit")?.parse().ok()?;
+            (1e-6..=1e6).contains(&times).then_some(Size { um: times, is_of_axis: true })
+        };
+        fact.text("value").and_then(in_units).or_else(|| fact.choice("value", SIZES))
+    }
+}
+
+const SIZES: &[(&str, Size)] = &[
+    ("mm", Size::fixed(LengthUnit::Mm.um())),
+    ("um", Size::fixed(LengthUnit::Um.um())),
+    ("inch", Size::fixed(LengthUnit::In.um())),
+    ("detection_unit", Size { um: 1.0, is_of_axis: true }),
+];
+
 /// What the numbers of a table mean. One that writes a table and one that emulates it share nothing else.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Form {
@@ -46,6 +95,8 @@ pub struct Form {
     pub value: ValueForm,
     /// Size of 1 of a value, µm.
     pub value_um: f64,
+    /// That is in detection units of the corrected axis still ([`Form::on_axis`]).
+    pub is_of_axis: bool,
     /// Decimals of values.
     pub value_decimals: u32,
     /// What they are rounded to; one count is that.
@@ -75,6 +126,12 @@ pub struct Form {
 }
 
 impl Form {
+    /// The same on an axis with this detection unit.
+    pub(crate) fn on_axis(self, detection_unit_um: f64) -> Form {
+        let times = if self.is_of_axis { detection_unit_um } else { 1.0 };
+        Form { value_um: self.value_um * times, is_of_axis: false, ..self }
+    }
+
     /// Decimals of the numbers of a table.
     pub(crate) fn decimals(&self) -> u32 {
         match self.value {

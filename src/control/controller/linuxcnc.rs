@@ -111,6 +111,7 @@ impl Listed for LinuxcncFacts {
             sign,
             value,
             value_um: um,
+            is_of_axis: false,
             value_decimals: self.value_decimals.value,
             rounding: Rounding::LastDecimal,
             largest: f64::INFINITY,

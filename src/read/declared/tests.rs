@@ -179,7 +179,7 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
         ),
         ("value_form", "\"increment\"", "`value_form` is out of range, expected `amount`"),
         ("position_size", "12.5", "`position_size` is out of range"),
-        ("value_size", "\"yard\"", "expected one of `mm`, `um`, `inch`"),
+        ("value_size", "\"yard\"", "expected one of `mm`, `um`, `inch`, `detection_unit`"),
         ("comments", "true", "the sign that begins a comment"),
         ("outside", "\"fade\"", "expected one of `hold`, `zero`, `unknown`"),
     ] {

@@ -327,7 +327,7 @@ fn rows(head: &str, points: &[(f64, f64)]) -> String {
 
 fn of_blocks(rows: &[String]) -> ListedTables {
     let text = format!("{HEADER}{}", rows.concat());
-    tables(&[("table.csv", &text)], false).unwrap_or_else(|problems| panic!("{problems}"))
+    tables(&[("table.csv", &text)], None, false).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
 fn state() -> ControlState {

@@ -28,15 +28,21 @@ const COLUMNS: [&str; 9] = [
     "position_mm",
     "seen",
 ];
-/// The columns of values; a list has one of them.
-const VALUES: [(&str, TypedValue, LengthUnit); 6] = [
-    ("deviation_um", TypedValue::Deviation, LengthUnit::Um),
-    ("deviation_mm", TypedValue::Deviation, LengthUnit::Mm),
-    ("correction_um", TypedValue::Correction, LengthUnit::Um),
-    ("correction_mm", TypedValue::Correction, LengthUnit::Mm),
-    ("increment_um", TypedValue::Increment, LengthUnit::Um),
-    ("increment_mm", TypedValue::Increment, LengthUnit::Mm),
+/// What the values are, and in which unit with how many µm; their column is called by both, a list has one.
+const KINDS: [(&str, TypedValue); 4] = [
+    ("deviation", TypedValue::Deviation),
+    ("correction", TypedValue::Correction),
+    ("increment", TypedValue::Increment),
+    ("outward_increment", TypedValue::Outward),
 ];
+const UNITS: [(&str, f64); 4] = [
+    ("um", LengthUnit::Um.um()),
+    ("mm", LengthUnit::Mm.um()),
+    ("inch", LengthUnit::In.um()),
+    (COUNT, 1.0),
+];
+/// Counts have no size of their own.
+const COUNT: &str = "count";
 /// What stands under `point` in the row of a sum.
 const SUM: &str = "sum";
 /// Sums and places closer than this are the same, µm and mm.
@@ -54,12 +60,17 @@ pub(super) fn is_list(text: &str) -> bool {
 }
 
 /// Reads a list: what was seen, where it is filled in, else what was to be typed, unless that does not count.
-pub(super) fn read(file: &str, text: &str, as_shown: bool) -> Result<Vec<Row>, Problems> {
+pub(super) fn read(
+    file: &str,
+    text: &str,
+    held: Option<&str>,
+    as_shown: bool,
+) -> Result<Vec<Row>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let Some((header, lines)) = header_and_rows(&source) else {
         return Err(Problem::new(format!("`{file}` is empty")).into());
     };
-    let columns = Columns::of(&header)?;
+    let columns = Columns::of(&header, held)?;
     let too_many = wrong_count(lines.len().min(MOST_ROWS + 1));
     if let Some(problem) = too_many {
         return Err(problem.at(header.whole()).into());
@@ -86,32 +97,39 @@ pub(super) fn read(file: &str, text: &str, as_shown: bool) -> Result<Vec<Row>, P
 /// The columns of a list, and what the values are.
 struct Columns {
     names: Vec<String>,
-    value: &'static str,
+    value: String,
     kind: TypedValue,
-    unit: LengthUnit,
+    unit: &'static str,
+    /// What 1 is in a table.
+    size: f64,
 }
 
 impl Columns {
-    fn of(header: &Line<'_>) -> Result<Columns, Problems> {
+    fn of(header: &Line<'_>, held: Option<&str>) -> Result<Columns, Problems> {
         const HELP: &str = "take the whole file";
         refuse_many_columns(header, HELP)?;
-        let values = VALUES.map(|(name, ..)| name);
+        let is_taken = |unit: &str| held.map_or(unit != COUNT, |held| held == unit);
+        let units = UNITS.into_iter().filter(|(unit, _)| is_taken(unit));
+        let all = units
+            .flat_map(|unit| KINDS.map(|(word, kind)| (format!("{word}_{}", unit.0), kind, unit)));
+        let all: Vec<_> = all.collect();
+        let values: Vec<&str> = all.iter().map(|(name, ..)| name.as_str()).collect();
         let names = columns(header, (&COLUMNS, &values), HELP)?;
-        let own = VALUES.iter().filter(|(name, ..)| names.iter().any(|own| own == name));
-        let own: Vec<_> = own.collect();
-        let [(value, kind, unit)] = own.as_slice() else {
+        let own: Vec<_> = all.iter().filter(|(name, ..)| names.contains(name)).collect();
+        let [(value, kind, (unit, um))] = own.as_slice() else {
             let message = format!("the list has {} columns of values, expected one", own.len());
             let help = format!("one of {}", values.join(", "));
             return Err(Problem::new(message).at(header.whole()).help(help).into());
         };
-        Ok(Columns { names, value, kind: *kind, unit: *unit })
+        let size = if held.is_some() { 1.0 } else { *um };
+        Ok(Columns { value: value.clone(), kind: *kind, unit, size, names })
     }
 
     /// The cell of a column; whatever is said of a value stands at the value.
     fn place(&self, column: &str) -> usize {
         let column = match column {
             "index" => "point",
-            "deviation_um" | "correction_um" | "increment_um" => self.value,
+            "deviation_um" | "correction_um" | "increment_um" => &self.value,
             other => other,
         };
         place_among(&self.names, column)
@@ -148,7 +166,7 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
     }
     let mut of_point = |column| if index.is_some() { cells.number(column) } else { 0.0 };
     let [position_mm, zero_mm] = ["position_mm", "zero_mm"].map(&mut of_point);
-    let um = |value: f64| rounded(value * columns.unit.um(), DUST_DECIMALS);
+    let um = |value: f64| rounded(value * columns.size, DUST_DECIMALS);
     let point = Point {
         line,
         row: Row {
@@ -163,7 +181,7 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
         page: cells.text("page"),
         is_sum: index.is_none(),
         zero_mm,
-        um: um(cells.number(columns.value)),
+        um: um(cells.number(&columns.value)),
         seen_um: cells.number_if_any("seen").map(um),
     };
     cells.problems.or_ok(point)
@@ -197,15 +215,15 @@ fn refuse_other_sums(
 /// What the values of a page, and what was seen of them, add up to, against the sums that stand there.
 fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: &mut Problems) {
     let total = |um: fn(&Point<'_>) -> Option<f64>| own.iter().map(|point| um(point)).sum();
-    let typed = (columns.value, total(|point| Some(point.um)), Some(sum.um));
+    let typed = (columns.value.as_str(), total(|point| Some(point.um)), Some(sum.um));
     let seen = ("seen", total(|point| point.seen_um), sum.seen_um);
     for (column, total, stated) in [typed, seen] {
         let (Some(total), Some(stated)): (Option<f64>, Option<f64>) = (total, stated) else {
             continue;
         };
         if (total - stated).abs() > SAME {
-            let unit = columns.unit.word();
-            let shown_in = |um: f64| rounded(um / columns.unit.um(), DUST_DECIMALS);
+            let unit = columns.unit;
+            let shown_in = |um: f64| rounded(um / columns.size, DUST_DECIMALS);
             let message = format!(
                 "`{column}` adds up to {} {unit} on page {}, its sum is {} {unit}",
                 shown_in(total),
@@ -252,9 +270,9 @@ fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> 
     }
     let blocks: Vec<Vec<usize>> = blocks.into_values().collect();
     for block in &blocks {
-        let zero_um = match columns.kind {
-            TypedValue::Increment => problems.take(sum_at_zero(points, block, columns)),
-            _ => Some(0.0),
+        let zero_um = match columns.kind.is_increment() {
+            true => problems.take(sum_at_zero(points, block, columns)),
+            false => Some(0.0),
         };
         let (mut sum, mut before) = (0.0, None);
         for index in block {
@@ -263,7 +281,9 @@ fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> 
             row.correction_um = match columns.kind {
                 TypedValue::Deviation => 0.0 - *um,
                 TypedValue::Correction => *um,
-                TypedValue::Increment => rounded(sum - zero_um.unwrap_or_default(), DUST_DECIMALS),
+                TypedValue::Increment | TypedValue::Outward => {
+                    rounded(sum - zero_um.unwrap_or_default(), DUST_DECIMALS)
+                }
             };
             row.deviation_um = 0.0 - row.correction_um;
             let change = before.replace(row.correction_um).map(|before| row.correction_um - before);
@@ -273,19 +293,33 @@ fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> 
     problems.or_ok(())
 }
 
-/// What increments add up to where the correction is zero.
-fn sum_at_zero(points: &[Point<'_>], block: &[usize], columns: &Columns) -> Result<f64, Problem> {
-    let first = &points[block[0]];
-    if first.um.abs() > 0.0 {
-        let message = "the first point of a table has an increment, expected 0";
-        let help = "an increment is the change from the point before; there is none";
-        return Err(columns.at(&first.line, columns.value, message).help(help));
-    }
+/// What increments add up to where the correction is zero. Outward ones become those from the point before: up to the
+/// reference, which has none, each moves on by one point.
+fn sum_at_zero(
+    points: &mut [Point<'_>],
+    block: &[usize],
+    columns: &Columns,
+) -> Result<f64, Problem> {
+    let first = &points[block[0]].line;
     let is_zero = |point: &Point<'_>| (point.row.position_mm - point.zero_mm).abs() <= SAME;
     let Some(zero) = block.iter().position(|index| is_zero(&points[*index])) else {
         let message = "no point of this table lies at `zero_mm`, where the correction is zero";
         let help = "`zero_mm` is the reference point, in machine coordinates";
-        return Err(columns.at(&first.line, "zero_mm", message).help(help));
+        return Err(columns.at(first, "zero_mm", message).help(help));
     };
+    let (place, what) = match columns.kind {
+        TypedValue::Outward => (zero, "the reference point"),
+        _ => (0, "the first point of a table"),
+    };
+    let start = &points[block[place]];
+    if start.um.abs() > 0.0 {
+        let message = format!("{what} has an increment, expected 0");
+        let help = "an increment is the change over the section before; there is none";
+        return Err(columns.at(&start.line, &columns.value, message).help(help));
+    }
+    for at in (1..=place).rev() {
+        points[block[at]].um = points[block[at - 1]].um;
+    }
+    points[block[0]].um = 0.0;
     Ok(block[..=zero].iter().fold(0.0, |sum, index| sum + points[*index].um))
 }

@@ -80,9 +80,25 @@ fn positions_and_increments_say_the_same_as_amounts() {
     assert_eq!(um(&facts, &reached, &places), expected);
     // Counts of 0.5 µm, the change from the point before, zero at the reference.
     set(&mut facts.value_form, ValueForm::Increment);
-    set(&mut facts.value_size, Size { um: 0.5 });
+    set(&mut facts.value_size, Size::fixed(0.5));
     let changes = table(&[(0.0, 0.0, None), (10.0, 4.0, None), (20.0, 20.0, None)]);
     assert_eq!(um(&facts, &changes, &places), expected);
+}
+
+/// Counts of half a detection unit: without one there is no control.
+#[test]
+fn a_count_has_the_size_of_its_axis() {
+    let mut facts = weihong();
+    set(&mut facts.value_size, Size { um: 0.5, is_of_axis: true });
+    let held = table(&[(0.0, 4.0, None), (10.0, 0.0, None), (20.0, -20.0, None)]);
+    let mut state = state();
+    assert!(control(&held, &facts, &state).is_err());
+    state.axes[0].detection_unit_um = Some(0.1);
+    let moved = control(&held, &facts, &state).unwrap();
+    let moved = moved.response("X", "X", Direction::Plus).unwrap();
+    let um = [0.0, 20.0].map(|at| moved.correction(Millimetres::new(at)).um());
+    // The values are errors: 20 counts of 0.05 µm too little, so 1 µm is added.
+    assert!((um[0] + 0.2).abs() < 1e-9 && (um[1] - 1.0).abs() < 1e-9, "{um:?}");
 }
 
 /// No axis leaves its travel: the last value of a table that ends there has no step behind it.

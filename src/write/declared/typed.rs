@@ -5,7 +5,6 @@
 use crate::control::controller::{Typed, TypedValue};
 use crate::control::table::{ListedTable, ListedTables};
 use crate::quantity::{Direction, ErrorTerm, Figure, rounded};
-use crate::text::LengthUnit;
 use crate::write::control_text::{Seen, seen};
 use crate::write::family::Emitted;
 use crate::write::listed::DUST_DECIMALS;
@@ -36,7 +35,7 @@ struct Row {
 
 /// What templates see.
 pub(super) fn of_tables(typed: &Typed, emitted: &Emitted<'_>, held: &ListedTables) -> Seen {
-    let blocks = blocks(emitted, held);
+    let blocks = blocks(typed, emitted, held);
     let rows = blocks.iter().flat_map(|block| block.rows().map(move |row| (block, row)));
     let mut rows = rows.peekable();
     let row = || {
@@ -53,9 +52,10 @@ pub(super) fn of_tables(typed: &Typed, emitted: &Emitted<'_>, held: &ListedTable
         "typed": seen! {
             "column": typed.column(),
             "value": typed.value.value.words(),
-            "unit": match typed.unit.value {
-                LengthUnit::Um => "µm",
-                other => other.word(),
+            "unit": match typed.unit_word() {
+                "um" => "µm",
+                "count" => "counts",
+                other => other,
             },
         },
         "rows": rows,
@@ -63,10 +63,11 @@ pub(super) fn of_tables(typed: &Typed, emitted: &Emitted<'_>, held: &ListedTable
 }
 
 /// The tables in the order of the plan, each direction by itself.
-fn blocks<'a>(emitted: &Emitted<'_>, held: &'a ListedTables) -> Vec<Block<'a>> {
+fn blocks<'a>(typed: &Typed, emitted: &Emitted<'_>, held: &'a ListedTables) -> Vec<Block<'a>> {
     let mut blocks = Vec::new();
     for placed in &emitted.compiled.placements {
-        let is_rounded = emitted.task.detection_unit_um(placed.term.of).is_some();
+        let unit_um = emitted.task.detection_unit_um(placed.term.of);
+        let is_rounded = typed.is_held() || unit_um.is_some();
         for axis in &emitted.compiled.state.axes {
             let is_own =
                 |own: &&ListedTable| own.term == Some(placed.term) && own.output == axis.name;
@@ -118,10 +119,15 @@ impl Block<'_> {
 
     /// The pages to be typed in.
     fn sheet(&self, typed: &Typed, emitted: &Emitted<'_>, page: &mut usize) -> Option<Seen> {
-        let rows: Vec<Row> = self.rows().collect();
+        let mut rows: Vec<Row> = self.rows().collect();
         let zero_mm = emitted.compiled.state.axis(&self.table.base)?.reference.mm();
         let zero_mm = rounded(zero_mm, POSITION_DECIMALS);
-        let zero = rows.iter().find(|row| row.position_mm >= zero_mm)?;
+        let zero = rows.iter().position(|row| row.position_mm >= zero_mm)?;
+        if typed.value.value == TypedValue::Outward {
+            // Below the reference a section ends at its lower point.
+            (0..zero).for_each(|at| rows[at].increment_um = rows[at + 1].increment_um);
+            rows[zero].increment_um = None;
+        }
         let spacing = rows.get(1)?.position_mm - rows.first()?.position_mm;
         let pages = rows.chunks(ROWS_OF_A_PAGE).map(|rows| {
             *page += 1;
@@ -134,7 +140,7 @@ impl Block<'_> {
             "output_axis": self.table.output.as_str(),
             "direction": self.direction.map_or("", Direction::symbol),
             "zero_mm": number(zero_mm),
-            "zero_point": zero.index.to_string(),
+            "zero_point": zero.to_string(),
             "spacing_mm": number(rounded(spacing, POSITION_DECIMALS)),
             "points": rows.len().to_string(),
         })
@@ -146,9 +152,10 @@ fn seen_page(rows: &[Row], typed: &Typed, page: usize) -> Seen {
     let um = |row: &Row| match typed.value.value {
         TypedValue::Deviation => 0.0 - row.correction_um,
         TypedValue::Correction => row.correction_um,
-        TypedValue::Increment => row.increment_um.unwrap_or(0.0),
+        TypedValue::Increment | TypedValue::Outward => row.increment_um.unwrap_or(0.0),
     };
-    let value = |row: &Row| rounded(um(row) / typed.unit.value.um(), SUM_DECIMALS);
+    let size = if typed.is_held() { 1.0 } else { typed.unit.value.um };
+    let value = |row: &Row| rounded(um(row) / size, SUM_DECIMALS);
     let seen = rows.iter().map(|row| {
         seen! {
             "point": row.index.to_string(),

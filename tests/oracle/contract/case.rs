@@ -36,8 +36,8 @@ impl Case<'_> {
             // The sixth decimal of an inch, of a millimetre.
             (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) if self.machine.inch => 0.0254,
             (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => 0.001,
-            (Dialect::Declared(facts), _) if facts.typed.is_none() => {
-                crate::support::count_um(facts)
+            (Dialect::Declared(facts), _) => {
+                crate::support::count_um(facts, self.machine.axis(term.of).unit_um)
             }
             (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
                 let unit = self.machine.axis(term.of).unit_um.unwrap();
