@@ -1,8 +1,7 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
-use crate::support::{Visit, number, stands_between};
+use crate::support::{Visit, evidence, number, stands_between};
 use nonius::control::controller::builtin;
 use serde_json::Value;
-use std::fs;
 
 const BEGIN: &str = "<!-- tests/oracle/every_control.rs writes the table: NONIUS_UPDATE=1 -->\n";
 
@@ -38,30 +37,22 @@ fn signs(id: &str, kit: &Value) -> String {
 }
 
 fn row(id: &str) -> String {
-    let (visit, kit) = visit(id);
+    let (_, kit) = visit(id);
     let mut served = texts(&kit["tables"], "term");
     served.dedup();
     let after = |term: &&str| number(&kit["forecast"]["terms"][*term]["after_um"]);
     let left = served.iter().map(after).fold(0.0, f64::max);
     let all = number(&kit["forecast"]["max_residual_um"]);
-    let tables = kit["tables"].as_array().unwrap();
-    let points: u64 = tables.iter().map(|table| table["points"].as_u64().unwrap()).sum();
-    let loaded = texts(&kit["files"], "path").into_iter().zip(texts(&kit["files"], "role"));
-    let loaded = loaded.filter(|(_, role)| ["table", "parameters"].contains(role));
-    let bytes = |(path, _)| fs::metadata(visit.at("kit").join::<&str>(path)).unwrap().len();
-    let bytes: u64 = loaded.map(bytes).sum();
     let served = if served.len() == 9 { "all nine".to_string() } else { served.join(" ") };
-    let (tables, signs) = (tables.len(), signs(id, &kit));
-    format!(
-        "| `{id}` | {served} | {left:.3} | {all:.3} | {tables} | {points} | {bytes} | {signs} |"
-    )
+    let (signs, evidence) = (signs(id, &kit), evidence(id));
+    format!("| `{id}` | {served} | {left:.3} | {all:.3} | {signs} | {evidence} |")
 }
 
 #[test]
 fn the_table_of_one_machine_is_what_every_control_gives() {
     let mut table = String::from(
-        "| control | terms with a table | left of these/µm | left of all nine/µm | tables | points | bytes | sign |\n\
-         | --- | --- | ---: | ---: | ---: | ---: | ---: | --- |\n",
+        "| control | terms with a table | left of these/µm | left of all nine/µm | sign | evidence |\n\
+         | --- | --- | ---: | ---: | --- | --- |\n",
     );
     table.extend(builtin::ids().into_iter().map(|id| row(id) + "\n"));
     stands_between("docs/controllers.md", BEGIN, "<!-- end -->", &table);

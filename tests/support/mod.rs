@@ -297,3 +297,12 @@ impl Lines {
 pub(crate) fn words(findings: &[Finding]) -> Vec<String> {
     findings.iter().map(ToString::to_string).collect()
 }
+
+/// How many facts of a profile were read in a manual, are assumed, or were seen on a control: `8/10/0`.
+pub(crate) fn evidence(id: &str) -> String {
+    use nonius::control::controller::{Evidence, builtin};
+    let profile = builtin::profile(id).unwrap();
+    let count = |evidence| profile.statements.iter().filter(|s| s.evidence == evidence).count();
+    let all = [Evidence::Manual, Evidence::Assumed, Evidence::Executed].map(count);
+    all.map(|count| count.to_string()).join("/")
+}
