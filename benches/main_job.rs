@@ -54,7 +54,9 @@ fn one_of_many(criterion: &mut Criterion) {
     let name = "kit without its checklist";
     group.bench_function(name, |bencher| bencher.iter(|| generate(black_box(&bare))));
     group.bench_function("forecast", |bencher| bencher.iter(|| forecast(black_box(&inputs))));
-    for words in ["generate job.toml -o kit", "generate job.toml -o kit --without-checklist --format json"] {
+    for words in
+        ["generate job.toml -o kit", "generate job.toml -o kit --without-checklist --format json"]
+    {
         group.bench_function(words, |bencher| {
             bencher.iter(|| {
                 let all = [("job.toml", JOB.as_bytes()), ("errors.csv", ERRORS.as_bytes())];
