@@ -7,7 +7,7 @@ use crate::cli::show;
 use crate::kit::Inputs;
 use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
-use crate::text::{Problem, counted};
+use crate::text::{Problem, Severity, counted, of_severity};
 use crate::visit::inputs::Corrected;
 use crate::volume::space::diameter::longest;
 use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Summary};
@@ -289,7 +289,8 @@ fn remarks(page: &Page) -> Vec<String> {
     if s.with_tool && !path.datum.is_empty() {
         notes.push("the datum is taken as probed with a tool of the measured length".to_string());
     }
-    notes.extend(page.volume.labels.iter().map(ToString::to_string));
+    let labels = page.volume.labels.iter().filter(|label| label.severity() != Severity::Doubt);
+    notes.extend(labels.map(ToString::to_string));
     let notes_after = page.after.iter().flat_map(|after| &after.tables.notes);
     notes.extend(notes_after.map(ToString::to_string));
     notes
@@ -297,8 +298,8 @@ fn remarks(page: &Page) -> Vec<String> {
 
 /// Why the figures may be wrong.
 fn doubts(page: &Page) -> Vec<String> {
-    let doubts = page.inputs.model.doubts(|_| true).into_iter();
-    doubts.map(|doubt| format!("doubtful: {doubt}")).collect()
+    let doubts = of_severity(&page.volume.labels, Severity::Doubt);
+    doubts.iter().map(ToString::to_string).collect()
 }
 
 /// What holds for every path.
