@@ -72,7 +72,10 @@ pub(crate) fn tables(
     as_shown: bool,
 ) -> Result<ListedTables, Problems> {
     match &facts.typed {
-        Some(typed) => generic::tables(texts, typed.is_held().then(|| typed.unit_word()), as_shown),
+        Some(typed) => {
+            let held = typed.is_held().then(|| typed.column());
+            generic::tables(texts, held.as_deref(), as_shown)
+        }
         None => read(texts, facts),
     }
 }

@@ -46,7 +46,7 @@ pub fn read(file_name: &str, text: &str) -> Result<Vec<Row>, Problems> {
 }
 
 /// The rows of a file; of a typed list as the control shows it, what was seen counts and nothing else. Of a control
-/// whose tables are `held` in a unit of their own, a typed list in that unit, its numbers as they stand.
+/// whose tables are `held` in a unit of their own, a typed list with that column, its numbers as they stand.
 fn rows_of(
     file_name: &str,
     text: &str,
@@ -54,8 +54,8 @@ fn rows_of(
     as_shown: bool,
 ) -> Result<Vec<Row>, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if let Some(unit) = held.filter(|_| !typed::is_list(text)) {
-        let message = format!("`{file_name}` is no list of values in `{unit}`");
+    if let Some(column) = held.filter(|_| !typed::is_list(text)) {
+        let message = format!("`{file_name}` is no list with a column `{column}`");
         let help = "this control holds what was typed in: take `typed.csv` of the kit";
         return Err(Problem::new(message).help(help).into());
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   value → error or correction at each point (amount, position − point, sum of increments, zero at the
-//!   reference) → straight lines between, outside held or nothing
+//!   reference) → straight lines between, outside held
 //! ```
 //! A factor stands for a line. It counts from the reference: what is added there is a shift of all positions, which no
 //! error against the reference sees.

@@ -25,7 +25,7 @@ pub(crate) use self::contents::{datum, is_switch};
 use self::control::SiemensControl;
 use self::memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
 use self::read_out::{Concern, concern, header, is_archive, is_program, sections};
-use self::statement::{Statement, check_characters, code_of, statement};
+use self::statement::{BLANKS, Statement, check_characters, code_of, is_end, statement};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Role, SiemensFacts};
 use crate::control::table::Tables;
@@ -73,8 +73,13 @@ impl Family for SiemensFacts {
         }
     }
 
+    /// A program of whatever kind has an end word.
     fn may_obey(&self, text: &str) -> bool {
-        text.contains('$')
+        let is_end_word = |line: Range<usize>| {
+            let code = text[code_of(text, &line)].trim_matches(BLANKS).to_ascii_uppercase();
+            is_end(&code)
+        };
+        text.contains('$') || lines(text).any(is_end_word)
     }
 
     fn is_whole(&self, text: &str) -> bool {
@@ -185,7 +190,7 @@ impl<'a> Reader<'a> {
 
     fn carry_out(&mut self, code: Range<usize>) -> Result<(), Complaint> {
         let found = statement(self.text, code.clone())?;
-        let words = self.text[code.clone()].trim_matches(statement::BLANKS);
+        let words = self.text[code.clone()].trim_matches(BLANKS);
         let is_blank = || words.is_empty();
         if matches!(found, Statement::Nothing) && (!self.ended || is_blank()) {
             return Ok(());

@@ -108,11 +108,11 @@ impl Columns {
     fn of(header: &Line<'_>, held: Option<&str>) -> Result<Columns, Problems> {
         const HELP: &str = "take the whole file";
         refuse_many_columns(header, HELP)?;
-        let is_taken = |unit: &str| held.map_or(unit != COUNT, |held| held == unit);
-        let units = UNITS.into_iter().filter(|(unit, _)| is_taken(unit));
-        let all = units
+        let all = UNITS
+            .into_iter()
             .flat_map(|unit| KINDS.map(|(word, kind)| (format!("{word}_{}", unit.0), kind, unit)));
-        let all: Vec<_> = all.collect();
+        let is_taken = |name: &str, unit| held.map_or(unit != COUNT, |held| held == name);
+        let all: Vec<_> = all.filter(|(name, _, (unit, _))| is_taken(name, *unit)).collect();
         let values: Vec<&str> = all.iter().map(|(name, ..)| name.as_str()).collect();
         let names = columns(header, (&COLUMNS, &values), HELP)?;
         let own: Vec<_> = all.iter().filter(|(name, ..)| names.contains(name)).collect();

@@ -37,7 +37,7 @@ struct Row {
 pub(super) fn of_tables(typed: &Typed, emitted: &Emitted<'_>, held: &ListedTables) -> Seen {
     let blocks = blocks(typed, emitted, held);
     let rows = blocks.iter().flat_map(|block| block.rows().map(move |row| (block, row)));
-    let mut rows = rows.peekable();
+    let mut rows = rows.filter(|_| !typed.is_held()).peekable(); // they are µm
     let row = || {
         let (block, row) = rows.next()?;
         Some(block.of_row(&row, rows.peek().is_none()))
