@@ -297,7 +297,7 @@ fn preconditions(task: Task<'_>, plan: &Plan, tables: &IsgTables) -> Vec<Precond
             "lr_param.vol_comp.v_limit of X, Y and Z",
             "above 0",
             "the correction is never changed faster; 0, the default, gives a warning when the control starts",
-            format!("{PAGES} §2"),
+            format!("{PAGES} §1"),
         ),
         Precondition::new(
             "N0X, N0Y, N0Z in other parameter files of this compensation",

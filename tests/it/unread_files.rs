@@ -56,6 +56,17 @@ fn a_sheet_that_no_control_loads_is_stated_as_such_and_notes_in_the_checklist_st
     visit.run(VERIFY).ends(0).says("`checklist.md` was changed after it was made");
 }
 
+/// A text for people is passed over, a program for the control is not.
+#[test]
+fn a_foreign_program_is_told_also_where_it_sets_no_variable() {
+    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
+    visit.yes("generate job.toml -q -o kit");
+    visit.put("kit/OTHER.MPF", "G0 X100\nM30\n");
+    visit.run(VERIFY).ends(2).says("`G0 X100` does not belong here").says("OTHER.MPF:1:1");
+    visit.put("kit/OTHER.MPF", "M30 was looked at\n");
+    visit.run(VERIFY).ends(0).says("`OTHER.MPF` was ignored");
+}
+
 /// Every change of a kit that no reader would find, and what `verify` says of it.
 #[test]
 fn a_file_that_no_reader_takes_fails_turned_deleted_or_unlisted() {
