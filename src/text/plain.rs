@@ -52,15 +52,9 @@ pub(crate) fn comment(text: &str) -> String {
     comment
 }
 
-/// Whether all is printable ASCII. Every byte is looked at, which takes less time than to stop at the first that is not.
-pub(crate) fn is_ascii_text(text: &str) -> bool {
-    text.bytes().fold(true, |all, byte| all & (b' '..=b'~').contains(&byte))
-}
-
 fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     let goes = |c: char| is_unseen(c) && !stays(c);
-    let mut parts = text.split_inclusive(' ');
-    if parts.all(|part| is_ascii_text(part) || !part.contains(goes)) {
+    if !text.contains(goes) {
         return Cow::Borrowed(text);
     }
     let seen = text.chars().map(|c| if goes(c) { INSTEAD } else { c });

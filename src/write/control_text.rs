@@ -54,9 +54,6 @@ impl Switch {
     }
 }
 
-/// Before the digits of a small number.
-const ZEROS: &str = "0000000000000000";
-
 /// A number with a fixed number of decimals, never `-0`. Where it is the nearest to so many last digits, and they are
 /// far from all that it can tell apart, they are its text: nothing has to be searched.
 #[allow(clippy::cast_possible_truncation, reason = "a whole number of up to 15 digits")]
@@ -72,13 +69,10 @@ pub(crate) fn fixed(number: f64, decimals: u32) -> String {
 
 /// So many last digits as a number with so many decimals, never `-0`.
 pub(crate) fn with_point(digits: i64, decimals: usize) -> String {
-    let (sign, digits) = (if digits < 0 { "-" } else { "" }, digits.unsigned_abs().to_string());
-    let zeros = &ZEROS[..(decimals + 1).saturating_sub(digits.len())];
-    let (whole, parts) = digits.split_at(digits.len().saturating_sub(decimals));
-    match zeros.split_at_checked(1) {
-        None => [sign, whole, ".", parts].concat(),
-        Some((first, others)) => [sign, first, ".", others, parts].concat(),
-    }
+    let sign = if digits < 0 { "-" } else { "" };
+    let digits = format!("{:0least$}", digits.unsigned_abs(), least = decimals + 1);
+    let (whole, parts) = digits.split_at(digits.len() - decimals);
+    [sign, whole, ".", parts].concat()
 }
 
 /// The same without trailing zeros.

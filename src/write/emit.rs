@@ -16,8 +16,7 @@ use crate::control::controller::{EmittedFile, Encoding, Profile, Role, Template,
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::Direction;
-use crate::text::plain::{self, is_ascii_text};
-use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, shown};
+use crate::text::{Finding, Problem, Problems, escaped, is_unseen, marked, plain, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, Seen, ascii, is_comment_text, seen, with};
 use crate::write::family::family;
@@ -329,7 +328,8 @@ fn is_blank(c: char) -> bool {
 pub(crate) fn bytes_of(path: &str, text: &str, profile: &Profile) -> Result<Vec<u8>, Problem> {
     let mut lines = text.split('\n').map(|line| line.strip_suffix('\r').unwrap_or(line));
     let unseen = |c: char| c != '\t' && (is_unseen(c) || is_blank(c));
-    let has_unseen = |line: &str| !is_ascii_text(line) && line.contains(unseen);
+    let is_plain = |byte: u8| (b' '..=b'~').contains(&byte);
+    let has_unseen = |line: &str| !line.bytes().all(is_plain) && line.contains(unseen);
     if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| has_unseen(line)) {
         let message = format!(
             "line {number} of `{}` would hold a character that is not seen: `{}`",

@@ -52,7 +52,11 @@ pub(super) fn compile(
 pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable) -> Form {
     let unit = task.job.compensation.control_unit;
     let unit_um = task.detection_unit_um(planned.term.of);
-    let form = own.form(planned.term.is_positioning(), unit).on_axis(unit_um.unwrap_or(f64::NAN));
+    let form = own.form(planned.term.is_positioning(), unit);
+    let form = match unit_um {
+        Some(um) => form.on_axis(um),
+        None => form, // no control emulates counts of a unit that is not known
+    };
     match form.names_terms {
         false => form,
         true => Form {

@@ -1,7 +1,7 @@
 //! What a control loads is protected whatever its role: files that no reader takes (role `report`)
 //! get no *pass*, and changed, deleted or unlisted they fail.
 
-use crate::support::{Ran, Visit};
+use crate::support::{Ran, Visit, tree};
 use std::fs;
 
 /// A control that loads `loaded.csv`, in a layout that no reader takes, with more of its keys.
@@ -54,6 +54,20 @@ fn a_sheet_that_no_control_loads_is_stated_as_such_and_notes_in_the_checklist_st
     visit.run(VERIFY).ends(0).says("verdict: pass").omits(UNREAD);
     visit.put("kit/checklist.md", visit.read("kit/checklist.md") + "done, A.B.\n");
     visit.run(VERIFY).ends(0).says("`checklist.md` was changed after it was made");
+}
+
+/// A script that makes many kits asks for none: all else has the same bytes.
+#[test]
+fn a_kit_without_its_checklist_has_all_other_files() {
+    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
+    visit.yes("generate job.toml -q -o kit");
+    visit.yes("generate job.toml -q -o bare --without-checklist");
+    let [mut kit, mut bare] = ["kit", "bare"].map(|folder| tree(&visit.at(folder)));
+    for pages in ["checklist.html", "checklist.md"] {
+        assert!(kit.remove(pages).is_some() && !bare.contains_key(pages), "{pages}");
+    }
+    assert!(kit.remove("manifest.json") != bare.remove("manifest.json") && kit == bare);
+    visit.run("verify job.toml --tables bare").ends(0).says("job and tables agree");
 }
 
 /// A text for people is passed over, a program for the control is not.
