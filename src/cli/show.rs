@@ -188,7 +188,7 @@ pub(super) fn verdict(
         lines.push("  because the files differ from the job, or from their manifest".to_string());
     }
     lines.extend(grounds.misses.iter().map(|miss| format!("  {miss}")));
-    lines.extend(doubts.iter().map(|doubt| format!("  DOUBTFUL: {doubt}")));
+    lines.extend(doubts.iter().map(|doubt| format!("  INCONSISTENT: {doubt}")));
     lines.join("\n")
 }
 

@@ -127,7 +127,7 @@ fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
     let remarks = &made.inputs.model.remarks;
     let simulated = remarks.simulated().map(|note| format!("**{note}**"));
     let doubts = made.doubts.iter();
-    let doubts = doubts.map(|doubt| format!("**DOUBTFUL:** {doubt}"));
+    let doubts = doubts.map(|doubt| format!("**INCONSISTENT:** {doubt}"));
     let alone = simulated.chain(doubts).map(|text| Paragraph { text, items: Vec::new() });
     alone.chain([verdict(made, misses)]).collect()
 }

@@ -341,7 +341,7 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
     // Whoever asks for the six alone misses nothing.
     let asked = "[compensation]\nterms = ['EYX', 'EZX', 'EXY', 'EZY', 'EXZ', 'EYZ']";
     visit.edit("job.toml", "[compensation]", asked);
-    visit.run("generate job.toml -o six").ends(1).omits("DOUBTFUL");
+    visit.run("generate job.toml -o six").ends(1).omits("INCONSISTENT");
 }
 
 #[test]
@@ -427,7 +427,7 @@ fn values_in_mm_under_a_column_in_um_are_doubted() {
     let words = "no error exceeds 0.008 µm, and a machine tool below 0.1 µm throughout is unlikely";
     for command in ["generate job.toml -o kit", "verify job.toml --tables kit"] {
         let ran = visit.run(command).ends(1).says("verdict: undecided");
-        ran.says(&format!("DOUBTFUL: {words}"));
+        ran.says(&format!("INCONSISTENT: {words}"));
     }
     visit.run("assess job.toml").ends(0).says(&format!("doubt: {words}"));
     let stated = |noise_um: &str| {
@@ -437,7 +437,7 @@ fn values_in_mm_under_a_column_in_um_are_doubted() {
         visit.run(&format!("generate stated.toml -o kit-{noise_um}"))
     };
     // Whoever states a noise below the errors means them.
-    stated("0.002").ends(0).omits("DOUBTFUL");
+    stated("0.002").ends(0).omits("INCONSISTENT");
     // A noise above them says nothing of their unit.
     stated("0.5").ends(1).says("or state a `noise_um` below it");
     visit.put("errors.csv", "axis,position_mm,ex_um\nx,0,0\nx,400,0.00042\n");

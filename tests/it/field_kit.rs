@@ -383,7 +383,7 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
     let remarks = "# note: SIMULATED, not measured: predicted\n# doubt: a reading is disturbed\n";
     let (_, kit) = support::generate(&job, &format!("{remarks}{errors}"));
     let head = checklist(&kit).split("## ").next().unwrap();
-    let doubtful = "**DOUBTFUL:** a reading is disturbed";
+    let doubtful = "**INCONSISTENT:** a reading is disturbed";
     holds(head, &["**SIMULATED, not measured: predicted**", doubtful, "**undecided**"]);
     for file in &kit.files {
         holds(text_of(&kit, &file.path), &["SIMULATED"]);

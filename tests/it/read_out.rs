@@ -151,7 +151,7 @@ fn what_stands_around_siemens_tables_is_judged() {
         $MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n$MN_CONVERT_SCALING_SYSTEM=0 => pass
         $MA_BACKLASH[0,AX1]=0.007 => pass: MD32450) of axis AX1 is 7 µm; the job does not set it
         # A table that follows a foreign axis decides nothing; one that multiplies reaches into the own ones.
-        CEC9(AX7,AX2) => undecided: DOUBTFUL: $AN_CEC[9] (AX7 → AX2) follows axis AX7
+        CEC9(AX7,AX2) => undecided: INCONSISTENT: $AN_CEC[9] (AX7 → AX2) follows axis AX7
         CEC9(AX2,AX7) => pass: $AN_CEC[9] (AX2 → AX7) belongs to axes that the job does not have: ignored
         CEC9(AX2,AX7)$AN_CEC_MULT_BY_TABLE[9]=1 => undecided: multiplies by $AN_CEC[0] of the job
         $SN_CEC_TABLE_WEIGHT[0]=0.5 => fail: SD41310 $SN_CEC_TABLE_WEIGHT[0] is 0.5, expected 1

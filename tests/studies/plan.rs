@@ -14,6 +14,7 @@ use nonius::judge::conformity::Verdict;
 use nonius::judge::forecast::Machine as AsMeasured;
 use nonius::kit::visit_plan::{Design, SetUpTimes, Visit, plan};
 use nonius::machine::model::ErrorModel;
+use nonius::machine::separation::campaign::LinearReversal;
 use nonius::machine::separation::table::draft;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::{Axis, Diagonal, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, Plane};
@@ -151,6 +152,13 @@ fn measured(
     measurement.overrun = over;
     let mut campaign = simulated::campaign(&measurement, lines);
     campaign.stated = job.measurement.uncertainty;
+    // An axis that is measured by itself is measured in both directions at every target.
+    let u_um = std::f64::consts::SQRT_2 * row.noise.0 / f64::from(planned.variant.run.runs).sqrt();
+    for axis in &planned.variant.linear {
+        let um: Vec<f64> = (0..=row.steps).map(|_| u_um * normal(random)).collect();
+        let u_um = Some(vec![u_um; um.len()]);
+        campaign.reversals[*axis] = Some(LinearReversal { um, u_um });
+    }
     separate(&campaign, &all)
 }
 

@@ -10,9 +10,10 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, beside_reference, largest, quantile, random, sum};
-use crate::inputs::job::Job;
+use super::{CONFIDENCE, Table, TableCurve, at, beside_reference, largest, quantile, random, sum};
+use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::corrections::AngleEvidence;
+use crate::machine::separation::curves::mean;
 use crate::machine::separation::linear::{Cause, Part, Row, Variance};
 use crate::machine::separation::noise::{float, student};
 use crate::machine::separation::separate::Separation;
@@ -48,7 +49,7 @@ impl Separation {
         let [table, former] =
             [self, found.map_or(self, |found| found.1)].map(|of| Table::new(of, job));
         let is_known = table.is_known() && former.is_known();
-        is_known.then(|| table.outlook(found, &former, limit_um))
+        is_known.then(|| table.outlook(job, found, &former, limit_um))
     }
 
     /// What is known of angles.
@@ -125,18 +126,33 @@ impl Table<'_> {
         each.collect()
     }
 
-    /// Values of another table for each of these curves; 0 of what it does not hold.
-    fn carried(&self, other: &Table<'_>, values: &[f64]) -> Vec<f64> {
+    /// What tables made from another one hold of its values (or their u²) for each of these curves: with two tables each
+    /// direction its own, else both their mean, zero at the reference; 0 of what it does not hold.
+    fn carried(&self, job: &Job, other: &Table<'_>, values: &[f64]) -> Vec<f64> {
         let of = |curve: &TableCurve| {
-            let is_way = |own: &TableCurve| own.way.is_none_or(|_| own.way == curve.way);
+            let policy = job.compensation.backlash[curve.term.along];
+            let is_way = |own: &TableCurve| match policy {
+                Some(BacklashPolicy::TwoTables) => own.way.is_none_or(|_| own.way == curve.way),
+                _ => true,
+            };
             let is_same = |own: &TableCurve| own.term == curve.term && is_way(own);
-            let found = other.curves.iter().position(is_same);
-            found.map_or(vec![0.0; self.points()], |index| other.curve(values, index).to_vec())
+            let ways = other.curves.iter().enumerate().filter(|(_, own)| is_same(own));
+            let ways: Vec<&[f64]> = ways.map(|(index, _)| other.curve(values, index)).collect();
+            let mean = |place: usize| mean(ways.iter().map(|way| way[place]));
+            let held: Vec<f64> = (0..self.points()).map(mean).collect();
+            let zero = at(&held, curve.zero.1);
+            held.into_iter().map(move |um| um - zero)
         };
         self.curves.iter().flat_map(of).collect()
     }
 
-    fn outlook(&self, found: Option<Found<'_>>, former: &Table<'_>, limit_um: f64) -> Outlook {
+    fn outlook(
+        &self,
+        job: &Job,
+        found: Option<Found<'_>>,
+        former: &Table<'_>,
+        limit_um: f64,
+    ) -> Outlook {
         let freedom = self.freedom();
         // What both measurements repeat, and the factor of u beside it.
         let of_order = |order: &[usize]| -> Vec<(Vec<f64>, f64)> {
@@ -159,7 +175,7 @@ impl Table<'_> {
         let (noise, rest) = (self.variances(|v| v.noise), self.variances(|v| v.all - v.noise));
         let values = self.values(found.map(|found| found.0));
         let again = found.map_or(1.0, |found| found.2);
-        let u2_before = self.carried(former, &former.variances(|v| v.all));
+        let u2_before = self.carried(job, former, &former.variances(|v| v.all));
         let squares: Vec<f64> = values.iter().map(|um| um * um).collect();
         let points = self.points();
         // λ and √(λ q) of each curve.
@@ -181,8 +197,8 @@ impl Table<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let before = self.carried(former, &former.drawn(1.0, &mut random).0);
-            let angles = self.carried(former, &former.angles(visit, &measured));
+            let before = self.carried(job, former, &former.drawn(1.0, &mut random).0);
+            let angles = self.carried(job, former, &former.angles(visit, &measured));
             let new = self.drawn(1.0, &mut random).0;
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| {
