@@ -42,7 +42,7 @@ impl ErrorTable {
         let table = table(&source, &notes)?;
         let records = table.rows(|row| record(&table, row));
         let all_rows_read = notes.is_sound();
-        let series = PerAxis::from_fn(|axis| series_of(axis, &table, &records));
+        let series = series_of(&table, &records);
         if all_rows_read {
             refuse_single_positions(&table, &series);
         }

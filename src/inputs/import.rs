@@ -13,16 +13,12 @@
 mod captures;
 mod columns;
 mod encoding;
-mod findings;
-mod form;
-mod groups;
 mod intake;
 mod located;
 mod mapping;
 mod parameters;
 mod pos;
 mod reading;
-mod recognise;
 mod ren;
 mod rtl;
 #[cfg(feature = "excel")]
@@ -37,14 +33,14 @@ pub use self::stated::Format;
 pub use crate::inputs::error_table::{Component, Kind};
 
 use self::encoding::{SHA256, SOURCE, text_of};
-pub use self::findings::ImportFinding;
 use self::intake::{Contents, Intake};
+use self::mapping::recognised;
 use self::reading::unlikely_reversals;
-use self::recognise::recognised;
 use self::stated::{Stated, described};
 use crate::inputs::error_table::{self, Draft, ErrorTable};
+pub use crate::inputs::findings::ImportFinding;
 use crate::inputs::refusals;
-use crate::text::{Finding, Problem, Problems, Severity, Source, of_severity};
+use crate::text::{Finding, Problems, Severity, Source, of_severity};
 
 /// An imported measurement.
 #[derive(Clone, Debug)]
@@ -78,7 +74,13 @@ pub fn import(
     if let Some(options) = whole.beyond(stated) {
         match stated.yes {
             true => intake.say([ImportFinding::Understood { options }]),
-            false => intake.notes.refuse(unconfirmed(&options, file, &whole)),
+            false => {
+                let given =
+                    whole.given().into_iter().map(|(option, value)| format!(" {option} {value}"));
+                let given = given.collect::<String>();
+                let command = format!("nonius import {}{given} -o errors.csv", file.path);
+                intake.notes.refuse(refusals::only_understood(options, command));
+            }
         }
     }
     let ((series, squareness), findings) = intake.end(contents)?;
@@ -106,13 +108,6 @@ fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         Format::Columns => columns::read(intake),
         Format::List => intake.notes.refused(refusals::list_without_form()),
     }
-}
-
-/// That what was understood is neither stated nor confirmed.
-fn unconfirmed(options: &str, file: Measurement<'_>, whole: &Stated) -> Problem {
-    let given = whole.given().into_iter().map(|(option, value)| format!(" {option} {value}"));
-    let command = format!("nonius import {}{} -o errors.csv", file.path, given.collect::<String>());
-    refusals::only_understood(options, command)
 }
 
 /// What to put into the job for the squareness of a file; nothing if it gives none.

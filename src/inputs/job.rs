@@ -29,7 +29,7 @@ use crate::inputs::kind::{has_column, head};
 use crate::inputs::refusals;
 pub(crate) use crate::inputs::refusals::{without_grid, without_unit};
 use crate::quantity::{Axis, Chain};
-use crate::text::{Key, Problem, Problems, Section, Source, read_page_for, read_page_over, states};
+use crate::text::{Key, Problem, Problems, Section, Source, read_page, read_page_over, states};
 use toml::de::{DeTable, DeValue};
 
 /// A checked job.
@@ -94,9 +94,9 @@ impl Job {
         besides: impl FnOnce(&Section<'_>),
     ) -> Result<Job, Problems> {
         refuse_table(&source)?;
-        let empty = source.clone();
         let needs = |key: &str| use_of.needs(key);
-        let (job, source) = read_page_for(source, needs, |root| job(root, use_of, empty), besides)?;
+        let read = |root: &Section<'_>| job(root, use_of);
+        let (job, source) = read_page((source, &[], |_, _| ()), needs, read, besides)?;
         Ok(Job { source, ..job })
     }
 
@@ -108,9 +108,8 @@ impl Job {
             true => &[],
             false => &[&first.source.text],
         };
-        let own = source.clone();
-        let (job, source) =
-            read_page_over(source, below, lay_over, |root| job(root, UseOf::Tables, own))?;
+        let read = |root: &Section<'_>| job(root, UseOf::Tables);
+        let (job, source) = read_page_over(source, below, lay_over, read)?;
         Ok(Job { source, ..job })
     }
 
@@ -136,7 +135,8 @@ fn refuse_other_schema(root: &Section<'_>) {
     }
 }
 
-fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
+/// The job of a page, without the page.
+fn job(root: &Section<'_>, use_of: UseOf) -> Option<Job> {
     ROOT.into_iter().for_each(|key| _ = root.has(key));
     refuse_other_schema(root);
     for key in ["machine", "measurement"] {
@@ -154,7 +154,7 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     let limits = root.sub_or_usual("limits", Limits::read);
     let acceptance = root.sub_or_usual("acceptance", |s| Acceptance::read(s, &axes));
     Some(Job {
-        source,
+        source: Source::default(),
         compensation: compensation?,
         limits: limits?,
         acceptance: acceptance?,

@@ -80,14 +80,10 @@ pub enum Kind {
 
 impl Kind {
     /// All of them, deviations first.
-    pub const ALL: [Kind; 6] = [
-        Kind::Deviation(Axis::X),
-        Kind::Deviation(Axis::Y),
-        Kind::Deviation(Axis::Z),
-        Kind::Angle(Axis::X),
-        Kind::Angle(Axis::Y),
-        Kind::Angle(Axis::Z),
-    ];
+    pub const ALL: [Kind; 6] = {
+        use {Axis::*, Kind::*};
+        [Deviation(X), Deviation(Y), Deviation(Z), Angle(X), Angle(Y), Angle(Z)]
+    };
 
     /// Its word in the names of columns, e.g. `ex` or `ea`.
     pub(crate) fn word(self) -> String {

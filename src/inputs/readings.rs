@@ -7,8 +7,7 @@
 //! Readings that exist are complete: all four diagonals, every node of every run. A reading that
 //! is missing is never filled in.
 
-mod nodes;
-mod values;
+mod walks;
 
 use crate::inputs::error_table::Remarks;
 use crate::inputs::findings::Remark;
@@ -171,7 +170,7 @@ const WORDS: [&str; 3] = [
 ];
 
 fn known_columns() -> Vec<Column> {
-    let mut known = named(&[
+    named(&[
         ("diagonal", Content::Diagonal, &[]),
         ("run", Content::Run, &[]),
         ("direction", Content::Direction, &[]),
@@ -179,12 +178,10 @@ fn known_columns() -> Vec<Column> {
         ("moved", Content::Moved, &[]),
         ("deviation", Content::reading(Values::Deviations), &LENGTHS),
         ("displacement", Content::reading(Values::Positions), &LENGTHS),
-    ]);
-    for axis in Axis::ALL {
-        let name = format!("t_{}_c", axis.key());
-        known.extend(named(&[(&name, Content::Temperature(axis), &[])]));
-    }
-    known
+        ("t_x_c", Content::Temperature(Axis::X), &[]),
+        ("t_y_c", Content::Temperature(Axis::Y), &[]),
+        ("t_z_c", Content::Temperature(Axis::Z), &[]),
+    ])
 }
 
 /// The table of a file of readings, and whether they are displacements as the instrument showed them

@@ -120,11 +120,15 @@ pub(crate) struct Column {
 impl Column {
     /// What turns its numbers into mm (places), µm or µrad.
     pub(crate) fn factor(&self) -> f64 {
-        let factor = self.unit.map_or(1.0, |unit| unit.factor);
         match self.content {
-            Content::Position | Content::Target => factor / UM_PER_MM,
-            _ => factor,
+            Content::Position | Content::Target => self.factor_um() / UM_PER_MM,
+            _ => self.factor_um(),
         }
+    }
+
+    /// What turns its numbers into µm or µrad.
+    pub(crate) fn factor_um(&self) -> f64 {
+        self.unit.map_or(1.0, |unit| unit.factor)
     }
 }
 

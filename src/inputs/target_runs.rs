@@ -9,7 +9,6 @@
 //!
 //! A file of runs becomes [`Runs`]; [`crate::machine::standards`] turns them into figures.
 
-mod header;
 mod read;
 
 use crate::inputs::refusals;

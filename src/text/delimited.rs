@@ -107,10 +107,15 @@ impl<'a> Line<'a> {
             return Err(refused::open_quote().at(self.whole()));
         }
         let cells = self.cells();
-        match cells.len() == columns {
-            true => Ok(cells),
-            false => Err(wrong_length(self, cells.len(), columns)),
-        }
+        let help = match cells.len() {
+            found if found == columns => return Ok(cells),
+            found if found > columns => TOO_MANY_CELLS,
+            _ => {
+                "every row has as many cells as the header: a cell that may be empty keeps its separator"
+            }
+        };
+        let plural = if cells.len() == 1 { "" } else { "s" };
+        Err(refused::other_length(cells.len(), plural, columns, help).at(self.whole()))
     }
 
     fn place(&self, span: Range<usize>) -> Place {
@@ -124,12 +129,11 @@ impl<'a> Line<'a> {
 
     /// The place of a cell.
     pub(crate) fn cell_place(&self, index: usize) -> Place {
-        let starts = starts_of(self.text, self.delimiter);
-        let start = starts.get(index).copied().unwrap_or(self.text.len());
-        let end = starts.get(index + 1).map_or(self.text.len(), |next| next - 1);
-        let cell = &self.text[start.min(end)..end];
-        let indent = cell.len() - cell.trim_start().len();
-        self.place(start + indent..start + indent + cell.trim().len().max(1))
+        let spans = spans_of(self.text, self.delimiter);
+        let span = spans.get(index).cloned().unwrap_or(self.text.len()..self.text.len());
+        let cell = &self.text[span.clone()];
+        let start = span.end - cell.trim_start().len();
+        self.place(start..start + cell.trim().len().max(1))
     }
 
     /// The finite number of a cell; `expected` is the next step where it is none.
@@ -162,6 +166,7 @@ impl<'a> Line<'a> {
     }
 }
 
+const TOO_MANY_CELLS: &str = "a decimal comma needs semicolons between the columns, or write a decimal point; if it is none, remove what is too much";
 const DECIMAL_COMMA: &str =
     "a decimal comma needs semicolons between the columns; or write a decimal point";
 
@@ -176,16 +181,6 @@ pub(crate) fn plain_number(text: &str) -> Option<f64> {
     let number = text.parse::<f64>().ok();
     let number = number.filter(|number| plain && number.is_finite())?;
     Some(number + 0.0) // −0 becomes 0
-}
-
-fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
-    let help = if found > expected {
-        "a decimal comma needs semicolons between the columns, or write a decimal point; if it is none, remove what is too much"
-    } else {
-        "every row has as many cells as the header: a cell that may be empty keeps its separator"
-    };
-    let plural = if found == 1 { "" } else { "s" };
-    refused::other_length(found, plural, expected, help).at(row.whole())
 }
 
 /// Every line of a text; what separates its columns is taken from the line itself: the first of
@@ -233,13 +228,7 @@ fn cells_of(line: &str, delimiter: u8) -> Vec<Cow<'_, str>> {
         let cells = line.split(char::from(delimiter));
         return cells.map(|cell| Cow::Borrowed(cell.trim())).collect();
     }
-    let starts = starts_of(line, delimiter);
-    let ends = starts.iter().skip(1).map(|next| next - 1);
-    starts
-        .iter()
-        .zip(ends.chain(std::iter::once(line.len())))
-        .map(|(start, end)| unquoted(line[*start..end].trim()))
-        .collect()
+    spans_of(line, delimiter).into_iter().map(|span| unquoted(line[span].trim())).collect()
 }
 
 /// A cell without the quotation marks around it; two of them inside stand for one.
@@ -252,16 +241,19 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
     }
 }
 
-fn starts_of(line: &str, delimiter: u8) -> Vec<usize> {
+/// Where the cells stand, with the blanks around them.
+fn spans_of(line: &str, delimiter: u8) -> Vec<Range<usize>> {
     let mut quoted = false;
-    let mut starts = vec![0];
-    for (at, byte) in line.bytes().enumerate() {
-        quoted ^= byte == b'"';
-        if byte == delimiter && !quoted {
-            starts.push(at + 1);
-        }
-    }
-    starts
+    let is_end = |byte: &u8| {
+        quoted ^= *byte == b'"';
+        *byte == delimiter && !quoted
+    };
+    let mut start = 0;
+    let cells = line.as_bytes().split(is_end).map(|cell| {
+        let end = start + cell.len();
+        std::mem::replace(&mut start, end + 1)..end
+    });
+    cells.collect()
 }
 
 /// Columns of a table; runs of a linear axis are far fewer.

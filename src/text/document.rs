@@ -6,29 +6,27 @@
 
 pub(crate) mod keys;
 mod page;
-mod schema;
 mod section;
 
-pub(crate) use self::page::{read_page_for, read_page_over, states};
+pub(crate) use self::page::{read_page, read_page_over, states};
 
+pub use self::keys::Key;
+pub(crate) use self::keys::{part, section};
 use crate::text::{LineIndex, Place, Problem, Problems, refused};
-pub use schema::Key;
-pub(crate) use schema::{part, section};
 pub use section::Section;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
-use std::sync::Arc;
 
 /// A text file with its name as the user gave it, and the places of its keys.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
     /// The name, as shown in messages.
     pub name: String,
     /// The text, without byte order mark.
     pub text: String,
-    /// The place of each value that was read; looked through only for problems.
-    spots: Vec<Spot>,
+    /// Where the value of each key stands, by its dotted path, with the number of each entry of a list (`linear[1]`).
+    spots: Vec<(String, Range<usize>)>,
     lines: LineIndex,
 }
 
@@ -76,8 +74,8 @@ impl Source {
 
     /// The same as bytes of the text.
     pub(crate) fn span_of(&self, path: &str) -> Option<Range<usize>> {
-        let spot = self.spots.iter().find(|spot| spot.is_at(path))?;
-        Some(spot.span.clone())
+        let spot = self.spots.iter().find(|(own, _)| own == path)?;
+        Some(spot.1.clone())
     }
 
     /// A problem at a key, or at the nearest section above it that exists.
@@ -90,26 +88,6 @@ impl Source {
         let mut paths = std::iter::successors(Some(path), |path| Some(path.rsplit_once('.')?.0));
         let place = paths.find_map(|path| self.place_of(path));
         problem.at(place.unwrap_or_else(|| self.place(&(0..0))))
-    }
-}
-
-/// Where the value of a key stands.
-#[derive(Clone, Debug, PartialEq)]
-struct Spot {
-    /// Dotted path of its section, with the number of each entry of a list (`linear[1]`).
-    section: Arc<str>,
-    key: &'static str,
-    span: Range<usize>,
-}
-
-impl Spot {
-    /// Whether a dotted path leads here.
-    fn is_at(&self, path: &str) -> bool {
-        let section = path.strip_suffix(self.key);
-        section.is_some_and(|section| match section.strip_suffix('.') {
-            Some(section) => *self.section == *section,
-            None => section.is_empty() && self.section.is_empty(),
-        })
     }
 }
 

@@ -1,10 +1,11 @@
 //! What a room has to say of a result: a kind with its facts and how grave it is. The words of a kind
-//! stand beside it, in the list of its room (`findings.rs`), and nowhere else; no code reads them again.
+//! stand beside it, in the list of its room (`findings.rs`), and nowhere else; no code reads them again. Likewise
+//! closed lists of values, each with its word: in profiles, jobs, documents; and figures by their names.
 
 use serde::{Serialize, Serializer};
 use std::any::Any;
 use std::collections::HashSet;
-use std::fmt;
+use std::fmt::{self, Display};
 use std::hash::Hash;
 use std::sync::Arc;
 
@@ -179,6 +180,56 @@ macro_rules! findings {
     };
 }
 pub(crate) use findings;
+
+/// Entries of a document by their names, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Named<K, T>(Vec<(K, T)>);
+
+impl<K, T> FromIterator<(K, T)> for Named<K, T> {
+    fn from_iter<I: IntoIterator<Item = (K, T)>>(entries: I) -> Self {
+        Named(entries.into_iter().collect())
+    }
+}
+
+impl<K: Display, T: Serialize> Serialize for Named<K, T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.0.iter().map(|(name, entry)| (name.to_string(), entry)))
+    }
+}
+
+/// Such a list.
+pub(crate) trait Word: Copy + PartialEq + 'static {
+    /// Each word with its value.
+    const WORDS: &'static [(&'static str, Self)];
+}
+
+/// The value and its word, side by side.
+macro_rules! words {
+    ($(#[$of:meta])* $how:vis enum $name:ident { $($(#[$value_of:meta])* $value:ident = $word:literal,)+ }) => {
+        $(#[$of])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $how enum $name { $($(#[$value_of])* $value),+ }
+
+        impl $crate::text::Word for $name {
+            const WORDS: &'static [(&'static str, $name)] = &[$(($word, $name::$value)),+];
+        }
+
+        #[allow(dead_code, reason = "some are only read")]
+        impl $name {
+            /// Its word.
+            $how const fn word(self) -> &'static str {
+                match self { $($name::$value => $word),+ }
+            }
+        }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                to.serialize_str(self.word())
+            }
+        }
+    };
+}
+pub(crate) use words;
 
 #[cfg(test)]
 mod tests {

@@ -6,10 +6,9 @@ mod finding;
 pub(crate) mod plain;
 mod problem;
 mod refused;
-mod words;
 
 pub(crate) use self::document::{
-    json_page, part, read_page_for, read_page_over, refuse_large_page, refuse_long_lines,
+    json_page, part, read_page, read_page_over, refuse_large_page, refuse_long_lines,
     refuse_many_lines, section, states, template_text,
 };
 
@@ -23,9 +22,10 @@ pub use self::document::{
     MOST_LINES, MOST_POINTS, MOST_ROWS, Section, Source, sha256,
 };
 pub use self::finding::{Finding, Kind, Severity, of_severity};
-pub(crate) use self::finding::{counted, findings, grouped, joined, listed, once};
+pub(crate) use self::finding::{
+    Named, Word, counted, findings, grouped, joined, listed, once, words,
+};
 pub(crate) use self::plain::{BLANK, BOX, escaped, marked};
 pub use self::plain::{is_unseen, line, page};
 pub use self::problem::{LineIndex, Place, Problem, Problems, nearest, shown};
 pub(crate) use self::problem::{Notes, bounded, did_you_mean, refusals};
-pub(crate) use self::words::{Named, Word, words};

@@ -3,7 +3,6 @@
 //! obey, are shown as `�`.
 
 use std::borrow::Cow;
-use std::fmt::Write;
 
 /// What stands for a character that is not seen.
 const INSTEAD: char = '\u{fffd}';
@@ -68,18 +67,12 @@ pub(crate) fn json(document: &str) -> Cow<'_, str> {
     if !document.contains(goes) {
         return Cow::Borrowed(document);
     }
-    let mut escaped = String::with_capacity(document.len());
-    for c in document.chars() {
-        if goes(c) {
-            for unit in c.encode_utf16(&mut [0; 2]) {
-                // Writing to a text never fails.
-                let _ = write!(escaped, "\\u{unit:04x}");
-            }
-        } else {
-            escaped.push(c);
-        }
-    }
-    Cow::Owned(escaped)
+    let escaped = document.split_inclusive(goes).map(|part| {
+        let seen = part.trim_end_matches(goes);
+        let units = part[seen.len()..].encode_utf16().map(|unit| format!("\\u{unit:04x}"));
+        seen.to_string() + &units.collect::<String>()
+    });
+    Cow::Owned(escaped.collect())
 }
 
 // Text of others as HTML: nothing in it is obeyed.

@@ -160,9 +160,14 @@ pub struct Problem {
     pub(crate) also: Vec<Place>,
     /// The column of a table that it stands in, counted from 0.
     #[serde(skip)]
-    column: Option<usize>,
+    column: Option<u16>,
     /// What to do next.
     pub help: Option<String>,
+    /// The other lines in which the same stands.
+    lines: Vec<usize>,
+    /// Other words were taken as the same cause: the column is wrong from row to row.
+    #[serde(skip)]
+    is_shifted: bool,
 }
 
 impl Problem {
@@ -174,7 +179,7 @@ impl Problem {
     /// The same, in a column of a table: in the next rows it is told once.
     #[must_use]
     pub(crate) fn in_column(mut self, index: usize) -> Self {
-        self.column = Some(index);
+        self.column = u16::try_from(index).ok();
         self
     }
 
@@ -204,7 +209,7 @@ impl Problem {
 
     /// The problem as a person reads it: sentence, place, line with carets, next step, and what is to be
     /// known of other places.
-    fn render_with(&self, note: Option<&str>) -> String {
+    fn render_with(&self, note: Option<String>) -> String {
         let level = Level::ERROR.with_name("problem");
         let mut group = Group::with_title(level.primary_title(seen(&self.message)));
         let source;
@@ -222,7 +227,7 @@ impl Problem {
             }
             group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
         }
-        let notes = note.map(str::to_string).into_iter().chain(self.also_at());
+        let notes = note.into_iter().chain(self.also_at());
         group = group.elements(notes.map(|note| Level::NOTE.message(note)));
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(seen(help)));
@@ -250,43 +255,27 @@ fn byte_of_column(text: &str, column: usize) -> usize {
     text.char_indices().nth(column - 1).map_or(text.len(), |(at, _)| at)
 }
 
-/// One problem, and where else the same one stands.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-struct Kept {
-    #[serde(flatten)]
-    problem: Problem,
-    /// The other lines.
-    lines: Vec<usize>,
-    /// Other words were taken as the same cause: the column is wrong from row to row.
-    #[serde(skip)]
-    is_shifted: bool,
-}
-
-impl Kept {
-    /// Whether another problem has the same cause: the same words in the same file.
+// One problem, and where else the same one stands.
+impl Problem {
+    /// Whether another one has the same cause: the same words in the same file, or it stands in the same column of the
+    /// next row, whatever the cell holds.
     fn is_same(&self, other: &Problem) -> bool {
-        let own = &self.problem;
-        (own.file(), &own.message, &own.help) == (other.file(), &other.message, &other.help)
+        let last = self.lines.last().copied().or(self.line());
+        let is_continued = self.column.is_some()
+            && self.column == other.column
+            && last.map(|line| line + 1) == other.line();
+        (self.file(), &self.help) == (other.file(), &other.help)
+            && (self.message == other.message || is_continued)
     }
 
-    /// Whether another problem stands in the same column of the next row, whatever the cell holds.
-    fn is_continued(&self, other: &Problem) -> bool {
-        let own = &self.problem;
-        let last = self.lines.last().copied().or(own.line());
-        own.column.is_some()
-            && (own.column, &own.help) == (other.column, &other.help)
-            && last.map(|line| line + 1) == other.line()
-            && own.file() == other.file()
-    }
-
-    /// Takes a problem with the same cause; in the same line it is the same one.
-    fn take(&mut self, other: Kept) {
-        for new in other.problem.line().into_iter().chain(other.lines) {
-            if Some(new) != self.problem.line() && !self.lines.contains(&new) {
+    /// Takes one with the same cause; in the same line it is the same one.
+    fn take(&mut self, other: Problem) {
+        for new in other.line().into_iter().chain(other.lines) {
+            if Some(new) != self.line() && !self.lines.contains(&new) {
                 self.lines.push(new);
             }
         }
-        self.is_shifted |= self.problem.message != other.problem.message;
+        self.is_shifted |= self.message != other.message;
     }
 
     fn render(&self) -> String {
@@ -300,7 +289,7 @@ impl Kept {
         let look = "; compare the cells of these rows with the header";
         let look = if self.is_shifted { look } else { "" };
         let note = note.map(|note| note + look);
-        self.problem.render_with(note.as_deref())
+        self.render_with(note)
     }
 }
 
@@ -310,7 +299,7 @@ impl Kept {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Problems {
     #[serde(rename = "problems")]
-    kept: Vec<Kept>,
+    kept: Vec<Problem>,
     #[serde(skip)]
     looked_at: usize,
     more: usize,
@@ -333,14 +322,12 @@ impl Problems {
             self.more += 1;
             return;
         }
-        self.add(Kept { problem: make(), ..Kept::default() });
+        self.add(make());
     }
 
-    fn add(&mut self, new: Kept) {
+    fn add(&mut self, new: Problem) {
         self.looked_at += 1;
-        let continued = |kept: &Kept| kept.is_same(&new.problem) || kept.is_continued(&new.problem);
-        let same = self.kept.iter_mut().find(|kept| continued(kept));
-        if let Some(kept) = same {
+        if let Some(kept) = self.kept.iter_mut().find(|kept| kept.is_same(&new)) {
             kept.take(new);
         } else if self.kept.len() < MOST_PROBLEMS {
             self.kept.push(new);
@@ -384,7 +371,7 @@ impl Problems {
 
     /// The different problems that were kept, each at its first place.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Problem> {
-        self.kept.iter().map(|kept| &kept.problem)
+        self.kept.iter()
     }
 
     /// `Ok` with the value if there is no problem.
@@ -395,7 +382,7 @@ impl Problems {
     /// All problems as a person reads them, a blank line between.
     pub fn render(&self) -> String {
         let (shown, not_shown) = self.kept.split_at(self.kept.len().min(MOST_SHOWN));
-        let mut texts: Vec<String> = shown.iter().map(Kept::render).collect();
+        let mut texts: Vec<String> = shown.iter().map(Problem::render).collect();
         let not_shown: usize = not_shown.iter().map(|kept| 1 + kept.lines.len()).sum();
         match self.more + not_shown {
             0 => {}
@@ -539,6 +526,19 @@ mod tests {
         let shown = all.render();
         assert_eq!(shown.matches("`um` is empty").count(), 1, "{shown}");
         assert!(shown.contains("the same in 800 more lines, the next are 2, 3, 4"), "{shown}");
+    }
+
+    /// As those of a profile are on their way through the job that names it.
+    #[test]
+    fn a_problem_that_is_passed_on_keeps_its_other_lines() {
+        let mut problems = Problems::none();
+        for line in 0..2 {
+            let place = Place::in_text("own.toml", "a\na\n", line * 2, line * 2 + 1);
+            problems.push(Problem::new("it is wrong").at(place));
+        }
+        let mut passed = Problems::none();
+        problems.iter().for_each(|problem| passed.push(problem.clone()));
+        assert!(passed.render().contains("the same in line 2"), "{passed}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Row, Table, Unit, named};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis, URAD_PER_ARCSEC};
 use crate::text::{Line, Notes, Place, Problems, Source};
+use std::collections::BTreeMap;
 
 /// The heading of a column of deviations.
 #[derive(Clone, Debug, PartialEq)]
@@ -222,22 +223,21 @@ impl Series {
     }
 }
 
-/// The series of an axis. That each has two positions is looked at where all rows of the file could be
+/// The series of each axis. That each has two positions is looked at where all rows of the file could be
 /// read.
-pub(super) fn series_of(axis: Axis, table: &Table<'_>, records: &[Record<'_>]) -> Vec<Series> {
-    let of_axis = || records.iter().filter(|record| record.axis == axis);
-    let is_directed = of_axis().any(|record| record.direction.is_some());
-    let undirected = of_axis().find(|record| record.direction.is_none());
-    if let Some(record) = undirected.filter(|_| is_directed) {
-        table.notes.refuse(refusals::mixed_directions(axis).at(record.line.whole()));
+pub(super) fn series_of(table: &Table<'_>, records: &[Record<'_>]) -> PerAxis<Vec<Series>> {
+    let (mut groups, mut all) = (BTreeMap::new(), PerAxis::<Vec<Series>>::default());
+    for record in records {
+        groups.entry((record.axis, record.direction)).or_insert_with(Vec::new).push(record);
     }
-    let directions = [None, Some(Direction::Plus), Some(Direction::Minus)];
-    let rows = directions.map(|direction| {
-        let rows = of_axis().filter(|record| record.direction == direction);
-        rows.collect::<Vec<&Record<'_>>>()
-    });
-    let measured = rows.iter().filter(|rows| !rows.is_empty());
-    measured.map(|rows| series(axis, table, rows)).collect()
+    for ((axis, direction), rows) in &groups {
+        let is_directed = groups.keys().any(|(other, way)| other == axis && way.is_some());
+        if direction.is_none() && is_directed {
+            table.notes.refuse(refusals::mixed_directions(axis).at(rows[0].line.whole()));
+        }
+        all[*axis].push(series(*axis, table, rows));
+    }
+    all
 }
 
 fn series(axis: Axis, table: &Table<'_>, rows: &[&Record<'_>]) -> Series {

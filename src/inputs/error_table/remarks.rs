@@ -107,11 +107,6 @@ impl Silence {
         let of = |line: String| if line.starts_with(NOT_STATED) { line + open } else { line };
         self.lines().map(of).collect()
     }
-
-    fn join(&mut self, other: Silence) {
-        join(&mut self.not_stated, other.not_stated);
-        join(&mut self.neglected, other.neglected);
-    }
 }
 
 /// The largest |value| of each term, µm, and max − min along each body diagonal.
@@ -310,15 +305,16 @@ impl Remarks {
         }
         self.frame = self.frame.or(other.frame);
         self.lines = self.lines.or(other.lines);
-        let both = [self.hidden_reversal_um, other.hidden_reversal_um];
-        self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
-        let both = [self.degrees_of_freedom, other.degrees_of_freedom];
-        self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
-        self.silence.join(other.silence);
+        self.hidden_reversal_um =
+            of_both(self.hidden_reversal_um, other.hidden_reversal_um, f64::max);
+        self.degrees_of_freedom =
+            of_both(self.degrees_of_freedom, other.degrees_of_freedom, smaller);
+        join(&mut self.silence.not_stated, other.silence.not_stated);
+        join(&mut self.silence.neglected, other.silence.neglected);
         (self.largest, self.measured) = (None, None); // of each table by itself
         (self.anew, self.same_laser) = (None, None);
-        let both = [self.doubtful.take(), other.doubtful];
-        self.doubtful = both.into_iter().flatten().reduce(|a, b| a.joined(&b, f64::max));
+        let larger = |a: Sizes, b: Sizes| a.joined(&b, f64::max);
+        self.doubtful = of_both(self.doubtful.take(), other.doubtful, larger);
     }
 
     fn hear(&mut self, comment: &str) {
@@ -369,8 +365,7 @@ impl Remarks {
             }
             FREEDOM => {
                 let freedom = words.parse().ok().filter(|freedom: &f64| *freedom >= 1.0);
-                let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
-                self.degrees_of_freedom = all.reduce(smaller);
+                self.degrees_of_freedom = of_both(freedom, self.degrees_of_freedom, smaller);
             }
             _ => {
                 let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
@@ -428,6 +423,11 @@ pub fn is_simulated(note: &Finding) -> bool {
 /// The keys of causes, one after the other.
 pub fn keys(causes: &[Cause]) -> String {
     joined(causes.iter().map(|cause| cause.word()))
+}
+
+/// One of two values that may be absent.
+fn of_both<T>(one: Option<T>, other: Option<T>, of: impl Fn(T, T) -> T) -> Option<T> {
+    [one, other].into_iter().flatten().reduce(of)
 }
 
 fn join(own: &mut Vec<Cause>, other: Vec<Cause>) {

@@ -5,10 +5,10 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind};
-use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::groups::{Row, is_ascending, series};
+use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Intake};
 use crate::inputs::import::mapping::{Mapping, Named, unit_of_name};
+use crate::inputs::import::reading::{Row, is_ascending, series};
 use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Travel};
 use crate::inputs::refusals;
 use crate::inputs::table::{Cell, Column, Content, RUN, Row as Cells, Table, count};
@@ -21,7 +21,7 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     let stated = intake.stated;
     let columns = intake.settled(&COLUMNS, None, stated.columns.as_deref())?;
     let mapping = intake.notes.take(Mapping::read(columns))?;
-    let sheet = Sheet::read(intake, &mapping);
+    let table = table(intake, &mapping);
     mapping.require(intake);
     let is_error = mapping.holds_positions();
     let sign = if is_error { Some(TableSign::AsError) } else { intake.sign(None) };
@@ -29,21 +29,21 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     if is_error && term.is_some_and(|term| !term.is_positioning()) {
         intake.notes.refuse(refusals::position_of_straightness());
     }
-    let mut sheet = sheet?;
-    let header = sheet.table.header;
+    let mut table = table?;
+    let header = table.header;
     if is_error && stated.sign == Some(TableSign::AsCorrection) {
         let problem = refusals::is_measured_less_target("columns give", "leave `--sign` out");
         intake.notes.refuse(problem.at(header.whole()));
     }
-    let rows = sheet.rows(term);
-    sheet.refuse_unclear_values(&rows);
+    let rows = intake.rows(&mut table, term);
+    intake.refuse_unclear_values(&table, &rows);
     let sign = intake.if_sound(sign)??;
     intake.say([ImportFinding::ColumnsNamed { line: header.number() }]);
     let has_targets = mapping.has(Content::Target);
     let ascending = !has_targets || is_ascending(&rows, intake);
     if mapping.has_directions() {
         let all_agree = !has_targets || (ascending && stated.targets_run == Some(Direction::Plus));
-        intake.say([sheet.sense_of_plus(all_agree)]);
+        intake.say([intake.sense_of_plus(&table, all_agree)]);
     }
     let first_target = rows.first().map(|row| row.position).filter(|_| has_targets);
     Some((series(&rows, (first_target, ascending), sign, intake), Vec::new()))
@@ -56,27 +56,21 @@ const NUMBER: &str =
     "write a plain number; its unit stands in the mapping, and a missing value is never filled in";
 
 /// The part of the file below the names of its columns.
-struct Sheet<'a> {
-    intake: &'a Intake<'a>,
-    table: Table<'a>,
+fn table<'a>(intake: &'a Intake<'a>, mapping: &Mapping) -> Option<Table<'a>> {
+    let mut lines: Vec<Line<'a>> = lines(intake.source).collect();
+    let header = intake.notes.take(header_of(&lines, mapping))?;
+    lines.drain(..header.number());
+    let columns = intake.notes.take(columns_of(&header, mapping))?;
+    Some(Table { header, columns, lines, notes: &intake.notes, first_line: "" })
 }
 
-impl<'a> Sheet<'a> {
-    fn read(intake: &'a Intake<'a>, mapping: &Mapping) -> Option<Self> {
-        let mut lines: Vec<Line<'a>> = lines(intake.source).collect();
-        let header = intake.notes.take(header_of(&lines, mapping))?;
-        lines.drain(..header.number());
-        let columns = intake.notes.take(columns_of(&header, mapping))?;
-        let table = Table { header, columns, lines, notes: &intake.notes, first_line: "" };
-        Some(Sheet { intake, table })
-    }
-
+impl<'a> Intake<'a> {
     /// What `+` of a mapped direction means: where targets, outward run and axis do not all go the
     /// same way, the file cannot say which of them its `+` follows.
-    fn sense_of_plus(&self, all_agree: bool) -> ImportFinding {
-        let stated = self.intake.stated;
+    fn sense_of_plus(&self, table: &Table<'_>, all_agree: bool) -> ImportFinding {
+        let stated = self.stated;
         if stated.plus_moves.is_none() && !all_agree && stated.targets_run.is_some() {
-            self.table.refuse(PLUS_MOVES.missing());
+            table.refuse(PLUS_MOVES.missing());
         }
         ImportFinding::PlusRows {
             moves: stated.plus_moves.unwrap_or(Direction::Plus),
@@ -85,42 +79,41 @@ impl<'a> Sheet<'a> {
     }
 
     /// What the rows hold, if all can be read; a row of the file for each run of it.
-    fn rows(&mut self, term: Option<Component>) -> Vec<Row<'a>> {
-        let (notes, header) = (self.table.notes, self.table.header);
-        let (delimiter, width) = (header.delimiter(), header.cells().len());
-        let separated = self.table.lines.iter().map(|line| line.separated_by(delimiter, false));
+    fn rows(&self, table: &mut Table<'a>, term: Option<Component>) -> Vec<Row<'a>> {
+        let (delimiter, width) = (table.header.delimiter(), table.header.cells().len());
+        let separated = table.lines.iter().map(|line| line.separated_by(delimiter, false));
         let filled = separated.filter(|line| !line.is_empty_row());
         // Cells are taken apart again where they are needed: together they are many times the file.
-        let is_whole = |line: &Line<'_>| notes.take(line.cells_under(width)).is_some();
-        self.table.lines = filled.filter(is_whole).collect();
-        let decimal = notes.take(self.decimal());
-        let Some(decimal) = decimal.filter(|_| notes.is_sound()) else {
+        let is_whole = |line: &Line<'_>| self.notes.take(line.cells_under(width)).is_some();
+        table.lines = filled.filter(is_whole).collect();
+        let decimal = self.notes.take(self.decimal(table));
+        let Some(decimal) = decimal.filter(|_| self.notes.is_sound()) else {
             return Vec::new();
         };
-        for line in &mut self.table.lines {
+        for line in &mut table.lines {
             *line = line.separated_by(delimiter, decimal == Decimal::Comma);
         }
-        self.table.rows(|row| self.rows_of(row, term)).into_iter().flatten().collect()
+        table.rows(|row| self.rows_of(&table.columns, row, term)).into_iter().flatten().collect()
     }
 
     /// Where no name says whether values are positions, each has to be near its target.
-    fn refuse_unclear_values(&self, rows: &[Row<'_>]) {
+    fn refuse_unclear_values(&self, table: &Table<'_>, rows: &[Row<'_>]) {
         const NAME_VALUES: &str = "`up1_actual_mm` holds positions, `up1_deviation_mm` deviations";
         let small_um = small_um(rows.iter().map(|row| row.position));
         let is_open = |own: Content| own.as_reading().is_some_and(|own| own.values.is_none());
         let mut values = rows.iter().flat_map(|row| &row.values);
-        let open = self.table.find(is_open);
+        let open = table.find(is_open);
         if let Some(open) = open.filter(|_| values.any(|(_, um)| um.abs() > small_um)) {
             let found =
                 "they are far from the targets; map them to `…_actual_…` or `…_deviation_…`";
             let problem = refusals::unclear_values(&open.name, found, NAME_VALUES);
-            self.intake.notes.refuse(self.table.at(open, problem));
+            self.notes.refuse(table.at(open, problem));
         }
     }
 
     /// The sign before the decimals: as stated, else as all numbers of the file show it.
-    fn decimal(&self) -> Result<Decimal, Problem> {
-        let Table { header, columns, lines, .. } = &self.table;
+    fn decimal(&self, table: &Table<'_>) -> Result<Decimal, Problem> {
+        let Table { header, columns, lines, .. } = table;
         let (mut comma, mut point, mut only_thousands) = (None, None, true);
         for (row, line) in lines.iter().enumerate() {
             let cells = line.cells();
@@ -134,7 +127,7 @@ impl<'a> Sheet<'a> {
                 }
             }
         }
-        let (stated, by_commas) = (self.intake.stated.decimal, header.delimiter() == b',');
+        let (stated, by_commas) = (self.stated.decimal, header.delimiter() == b',');
         let refused = |(row, index): (usize, usize), problem: fn(String) -> Problem| {
             let number = shown(&lines[row].cells()[index]);
             Err(problem(number).at(lines[row].cell_place(index)))
@@ -154,8 +147,13 @@ impl<'a> Sheet<'a> {
     }
 
     /// What a line holds, if its mapped cells can be read: a row for each run of it.
-    fn rows_of(&self, line: &Cells<'_, 'a>, term: Option<Component>) -> Option<Vec<Row<'a>>> {
-        let stated = self.intake.stated;
+    fn rows_of(
+        &self,
+        columns: &[Column],
+        line: &Cells<'_, 'a>,
+        term: Option<Component>,
+    ) -> Option<Vec<Row<'a>>> {
+        let stated = self.stated;
         // The way of the axis where the file says `+` or `-`, whose sense may have been stated.
         let way = |symbol: Direction| match stated.plus_moves {
             Some(Direction::Minus) => symbol.opposite(),
@@ -164,8 +162,8 @@ impl<'a> Sheet<'a> {
         let mut axis = stated.axis.or(term.map(|term| term.along));
         let mut direction = stated.travel.and_then(Travel::direction);
         let (mut run, mut position, mut complete) = (Some(1), None, true);
-        let mut values = Vec::with_capacity(self.table.columns.len());
-        for column in &self.table.columns {
+        let mut values = Vec::with_capacity(columns.len());
+        for column in columns {
             let cell = line.cell(column);
             match column.content {
                 Content::Axis => axis = axis_of(&cell, stated.axis),

@@ -3,7 +3,7 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind, Series};
-use crate::inputs::import::findings::ImportFinding;
+use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::stated::{
     AXIS, Fact, Format, MATERIAL_CORRECTED, MaterialCorrected, SIGN, Stated, TERM, word,
 };
@@ -83,25 +83,20 @@ impl<'a> Intake<'a> {
         lines(self.source).map(line).collect()
     }
 
-    /// Lines as a table of so many numbers each.
-    pub(super) fn numbers<'l>(
+    /// Lines as a table of so many numbers each, column by column.
+    pub(super) fn numbers(
         &self,
-        lines: impl Iterator<Item = &'l Piece<'a>>,
+        lines: &[Piece<'a>],
         columns: usize,
         is_separator: fn(char) -> bool,
-    ) -> Option<Numbers<'a>>
-    where
-        'a: 'l,
-    {
-        let mut table = Numbers { lines: Vec::new(), columns: vec![Vec::new(); columns] };
-        let mut whole = true;
+    ) -> Option<Vec<Vec<f64>>> {
+        let (mut table, mut whole) = (vec![Vec::new(); columns], true);
         for line in lines {
             let words = line.row(columns, is_separator).unwrap_or_default();
             let numbers = words.iter().filter_map(|word| word.number("a value"));
             let numbers: Vec<f64> = numbers.collect();
             whole &= numbers.len() == columns;
-            table.lines.push(*line);
-            table.columns.iter_mut().zip(numbers).for_each(|(column, own)| column.push(own));
+            table.iter_mut().zip(numbers).for_each(|(column, own)| column.push(own));
         }
         whole.then_some(table)
     }
@@ -211,12 +206,6 @@ fn only_letter(text: &str) -> Option<char> {
         [name] => name.chars().next(),
         _ => None,
     }
-}
-
-/// A table of numbers.
-pub(super) struct Numbers<'a> {
-    pub(super) lines: Vec<Piece<'a>>,
-    pub(super) columns: Vec<Vec<f64>>,
 }
 
 /// A piece of a text, a line or a word of it, which knows where it stands and notes what is wrong with it.

@@ -14,8 +14,8 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind, Series};
-use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::intake::{Contents, Intake, Numbers, Piece, Squareness};
+use crate::inputs::findings::ImportFinding;
+use crate::inputs::import::intake::{Contents, Intake, Piece, Squareness};
 use crate::inputs::import::reading::{Placing, deviation, tidy};
 use crate::inputs::refusals;
 use crate::quantity::{Axis, UM_PER_MM};
@@ -240,7 +240,7 @@ fn is_separator(c: char) -> bool {
 pub(super) fn read_isg<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     let lines: Vec<Piece<'_>> = intake.lines().iter().map(|line| line.before("//")).collect();
     let blocks = lines.split(|line| line.text.trim_start().starts_with('#')).map(|block| {
-        let block: Vec<&Piece<'_>> = block.iter().filter(|line| !line.is_blank()).collect();
+        let block: Vec<Piece<'_>> = block.iter().filter(|line| !line.is_blank()).copied().collect();
         let (header, lines) = block.split_first()?;
         read_block(header, lines)
     });
@@ -249,7 +249,7 @@ pub(super) fn read_isg<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
 }
 
 /// The parameters of a block: the names of its columns, the first one that of the argument, and rows of numbers.
-fn read_block<'a>(header: &Piece<'a>, lines: &[&Piece<'a>]) -> Option<Vec<Parameter<'a>>> {
+fn read_block<'a>(header: &Piece<'a>, lines: &[Piece<'a>]) -> Option<Vec<Parameter<'a>>> {
     let names = header.words(is_separator);
     if names.iter().any(Piece::begins_with_number) {
         return header.refused(refusals::no_names());
@@ -258,8 +258,7 @@ fn read_block<'a>(header: &Piece<'a>, lines: &[&Piece<'a>]) -> Option<Vec<Parame
     if arguments > 1 {
         return header.refused(refusals::many_arguments(arguments));
     }
-    let Numbers { lines, columns } =
-        header.intake.numbers(lines.iter().copied(), names.len(), is_separator)?;
+    let columns = header.intake.numbers(lines, names.len(), is_separator)?;
     if lines.is_empty() || (arguments == 0 && lines.len() > 1) {
         header.refuse(refusals::other_block(lines.len()));
     }

@@ -9,7 +9,7 @@
 //! `LinearError` is measured − target. docs/measuring.md §6 names the sources.
 
 use crate::control::controller::TableSign;
-use crate::inputs::import::findings::ImportFinding;
+use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
 use crate::inputs::import::reading::Passes;
 use crate::inputs::refusals;
@@ -45,18 +45,18 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         (version != KNOWN_VERSION)
             .then(|| ImportFinding::OtherVersion { version: shown(version), known: KNOWN_VERSION }),
     );
-    let (header, measured) = (Header::read(&fields, &first), Measured::read(&lines, intake));
+    let (header, measured) = (header(&fields, &first), Measured::read(&lines, intake));
     let (header, measured) = (header?, measured?);
     if sign == Some(TableSign::AsCorrection) {
         let help = "state `--sign as-error`";
         measured.heading.refuse(refusals::is_measured_less_target("`LinearError` is", help));
     }
     // Errors follow from reading and position, so they have their unit.
-    let unit = header.unit.word();
+    let unit = header.0.word();
     intake.say([ImportFinding::Units { positions: unit, values: unit }]);
     measured.refuse_contradictions();
     measured.refuse_bad_status();
-    let passes = header.passes(&measured);
+    let passes = measured.passes(header);
     intake.say(measured.warm_up());
     measured.check_material(intake);
     intake.say(measured.surroundings());
@@ -98,74 +98,29 @@ fn fields<'a>(lines: &[Piece<'a>]) -> Fields<'a> {
     Fields(fields)
 }
 
-/// What the fields say of the rows.
-struct Header {
-    unit: LengthUnit,
-    positions: usize,
-    runs: usize,
-    /// Whether the runs go there and back.
-    both: bool,
-}
+/// What the fields say of the rows: their unit, the number of positions, of runs there and of runs back.
+type Header = (LengthUnit, usize, [usize; 2]);
 
-impl Header {
-    fn read(fields: &Fields<'_>, first: &Piece<'_>) -> Option<Header> {
-        let field = |label: &str| {
-            let word = fields.value(label);
-            word.or_else(|| first.refused(refusals::there_is_no(format!("`{label}`"))))
-        };
-        let words = ["Unit", "NumofPos", "RunNum", "TestType"];
-        let [unit, positions, runs, kind] = words.map(field);
-        let unit = unit.and_then(|word| {
-            word.meaning("`Unit`", "a unit of length such as mm or inch", LengthUnit::from_text)
-        });
-        let positions = positions.and_then(|word| word.count("`NumofPos`"));
-        let runs = runs.and_then(|word| word.count("`RunNum`"));
-        let both = kind.and_then(|word| {
-            let begins = |text: &str, begin: &str| text.to_lowercase().starts_with(begin);
-            word.meaning("`TestType`", "`Unidirection` or `Bidirection`", |text| {
-                let both = begins(text, "bi");
-                (both || begins(text, "uni")).then_some(both)
-            })
-        });
-        Some(Header { unit: unit?, positions: positions?, runs: runs?, both: both? })
-    }
-
-    /// Rows of each pass: `NumofPos` each, `RunNum` in one direction or in both. They go forward where the
-    /// positions are those of the first pass, back where they come the other way round.
-    fn passes(&self, measured: &Measured<'_>) -> Option<Passes> {
-        let Header { unit, positions, runs, both } = *self;
-        let back = if both { runs } else { 0 };
-        let found = measured.lines.len();
-        let expected = positions.saturating_mul(runs.saturating_add(back));
-        if found != expected {
-            let ways = if both { ", there and back" } else { "" };
-            return measured
-                .heading
-                .refused(refusals::other_rows(found, expected, positions, runs, ways));
-        }
-        let um = |column: &[f64]| column.iter().map(|own| own * unit.um()).collect::<Vec<f64>>();
-        let (at, mut errors) = (um(&measured.positions), um(&measured.errors));
-        let first = &at[..positions];
-        let mut ways = Pass::BOTH.map(|pass| (Some(pass), Vec::new())).to_vec();
-        let passes = at.chunks(positions).zip(errors.chunks_mut(positions));
-        for (line, (at, errors)) in measured.lines.iter().step_by(positions).zip(passes) {
-            let is_back = at != first;
-            if is_back && !at.iter().rev().eq(first) {
-                return line.refused(refusals::other_positions());
-            }
-            if is_back {
-                errors.reverse();
-            }
-            ways[usize::from(is_back)].1.push(errors.to_vec());
-        }
-        let [forward, reverse] = [ways[0].1.len(), ways[1].1.len()];
-        if [forward, reverse] != [runs, back] {
-            return measured.heading.refused(refusals::other_ways(forward, reverse, runs, back));
-        }
-        ways.retain(|(_, runs)| !runs.is_empty());
-        let targets = first.iter().map(|um| um / UM_PER_MM).collect();
-        Some(Passes { targets, place: measured.heading.place(), ways })
-    }
+fn header(fields: &Fields<'_>, first: &Piece<'_>) -> Option<Header> {
+    let field = |label: &str| {
+        let word = fields.value(label);
+        word.or_else(|| first.refused(refusals::there_is_no(format!("`{label}`"))))
+    };
+    let [unit, positions, runs, kind] = ["Unit", "NumofPos", "RunNum", "TestType"].map(field);
+    let unit = unit.and_then(|word| {
+        word.meaning("`Unit`", "a unit of length such as mm or inch", LengthUnit::from_text)
+    });
+    let positions = positions.and_then(|word| word.count("`NumofPos`"));
+    let runs = runs.and_then(|word| word.count("`RunNum`"));
+    let both = kind.and_then(|word| {
+        word.meaning("`TestType`", "`Unidirection` or `Bidirection`", |text| {
+            let text = text.to_lowercase();
+            let both = text.starts_with("bi");
+            (both || text.starts_with("uni")).then_some(both)
+        })
+    });
+    let (runs, both) = (runs?, both?);
+    Some((unit?, positions?, [runs, if both { runs } else { 0 }]))
 }
 
 /// What was measured, column by column.
@@ -197,13 +152,48 @@ impl<'a> Measured<'a> {
         let heading = lines[number];
         let names = words_of(&heading);
         let below = lines[number + 1..].iter().take_while(|line| line.begins_with_number());
-        let table = intake.numbers(below, names.len(), char::is_whitespace)?;
+        let lines: Vec<Piece<'a>> = below.copied().collect();
+        let columns = intake.numbers(&lines, names.len(), char::is_whitespace)?;
         let at = NEEDED.map(|name| names.iter().position(|own| *own == name).unwrap_or_default());
-        let [positions, errors, readings, states] = at.map(|at| table.columns[at].clone());
-        let others = names.into_iter().zip(table.columns).enumerate();
+        let [positions, errors, readings, states] = at.map(|at| columns[at].clone());
+        let others = names.into_iter().zip(columns).enumerate();
         let others = others.filter(|(index, _)| !at.contains(index));
         let sensors = others.map(|(_, sensor)| sensor).collect();
-        Some(Measured { heading, lines: table.lines, positions, errors, readings, states, sensors })
+        Some(Measured { heading, lines, positions, errors, readings, states, sensors })
+    }
+
+    /// Rows of each pass: `NumofPos` each, `RunNum` in one direction or in both. They go forward where the
+    /// positions are those of the first pass, back where they come the other way round.
+    fn passes(&self, (unit, positions, [runs, back]): Header) -> Option<Passes> {
+        let found = self.lines.len();
+        let expected = positions.saturating_mul(runs.saturating_add(back));
+        if found != expected {
+            let ways = if back > 0 { ", there and back" } else { "" };
+            let problem = refusals::other_rows(found, expected, positions, runs, ways);
+            return self.heading.refused(problem);
+        }
+        let um = |column: &[f64]| column.iter().map(|own| own * unit.um()).collect::<Vec<f64>>();
+        let (at, mut errors) = (um(&self.positions), um(&self.errors));
+        let first = &at[..positions];
+        let mut ways = Pass::BOTH.map(|pass| (Some(pass), Vec::new())).to_vec();
+        let passes = at.chunks(positions).zip(errors.chunks_mut(positions));
+        for (line, (at, errors)) in self.lines.iter().step_by(positions).zip(passes) {
+            let is_back = at != first;
+            if is_back && !at.iter().rev().eq(first) {
+                return line.refused(refusals::other_positions());
+            }
+            if is_back {
+                errors.reverse();
+            }
+            ways[usize::from(is_back)].1.push(errors.to_vec());
+        }
+        let [forward, reverse] = [ways[0].1.len(), ways[1].1.len()];
+        if [forward, reverse] != [runs, back] {
+            return self.heading.refused(refusals::other_ways(forward, reverse, runs, back));
+        }
+        ways.retain(|(_, runs)| !runs.is_empty());
+        let targets = first.iter().map(|um| um / UM_PER_MM).collect();
+        Some(Passes { targets, place: self.heading.place(), ways })
     }
 
     /// Rows with such a state of the laser.
@@ -259,9 +249,8 @@ impl<'a> Measured<'a> {
 
     /// The file names no unit of its temperatures.
     fn check_material(&self, intake: &Intake<'_>) {
-        let material =
-            self.noted().find_map(|(name, is)| is.filter(|_| name.starts_with("MatTemp")));
-        if let Some(values) = material {
+        let mut noted = self.noted().filter(|(name, _)| name.starts_with("MatTemp"));
+        if let Some(values) = noted.find_map(|(_, values)| values) {
             let noted = format!("a temperature of the material ({values})");
             let stake = "the file names no unit of it".to_string();
             intake.check_material(noted, self.heading.place(), stake, true);

@@ -9,7 +9,7 @@
 //! Type, unit and sign come from these lines; where one is absent it has to be stated.
 
 use crate::control::controller::TableSign;
-use crate::inputs::import::findings::ImportFinding;
+use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
 use crate::inputs::import::reading::Passes;
 use crate::inputs::import::stated::{UNIT, VALUES, Values};
@@ -97,12 +97,12 @@ fn passes<'a>(intake: &'a Intake<'a>, table: &[Piece<'a>]) -> Option<Passes> {
             return heading.refused(refusals::other_columns(shown(behind.trim())));
         }
     };
-    let lines = lines.iter().filter(|line| !line.is_blank());
-    let table = intake.numbers(lines, ways.len() + 2, char::is_whitespace)?;
-    let mut columns = table.columns.into_iter();
+    let lines: Vec<Piece<'a>> = lines.iter().filter(|line| !line.is_blank()).copied().collect();
+    let columns = intake.numbers(&lines, ways.len() + 2, char::is_whitespace)?;
+    let mut columns = columns.into_iter();
     let (numbers, targets) = (columns.next()?, columns.next()?);
     let mut whole = Some(());
-    for (line, (number, expected)) in table.lines.iter().zip(numbers.iter().zip(1_u32..)) {
+    for (line, (number, expected)) in lines.iter().zip(numbers.iter().zip(1_u32..)) {
         if (number - f64::from(expected)).abs() > 0.0 {
             let first = line.words(char::is_whitespace)[0];
             whole = first.refused(refusals::other_point(number, expected));

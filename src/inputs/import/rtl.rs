@@ -9,8 +9,8 @@
 //! nothing. docs/measuring.md §6 names the sources.
 
 use crate::inputs::error_table::{Component, Kind};
+use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::encoding::{Measurement, text_of};
-use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece, named_axis};
 use crate::inputs::import::reading::{Passes, Placing, Ways};
 use crate::inputs::import::stated::{Format, RUNS, Runs, Stated};
@@ -162,7 +162,16 @@ impl<'a> Sections<'a> {
         self.check_kind();
         let axis = user.value("Axis").filter(|axis| !axis.text.is_empty());
         axis.iter().for_each(|axis| self.intake.check_axis(axis));
-        let (targets, place, runs) = self.measured()?;
+        let count = self.count("TARGET DATA", "Target-count");
+        let run_count = self.count("RUNS", "Run-count");
+        let targets = self.targets();
+        let (count, run_count) = (count?.0, run_count?);
+        if let Some((listed, place)) = targets.as_ref().filter(|(own, _)| own.len() != count) {
+            let problem = refusals::other_targets(listed.len(), count);
+            self.intake.notes.refuse(problem.at(place.clone()));
+        }
+        let runs = self.runs(run_count, count)?;
+        let (targets, place) = targets.filter(|(targets, _)| targets.len() == count)?;
         let environment = self.lines("ENVIRONMENT");
         let noted = environment.iter().filter(|line| !line.is_blank());
         let says = |line: &Piece<'_>| ImportFinding::Says { entry: shown(line.text.trim()) };
@@ -204,23 +213,6 @@ impl<'a> Sections<'a> {
         Some((count, value))
     }
 
-    /// The targets, where they stand, and the deviations of each run.
-    fn measured(&self) -> Option<(Vec<f64>, Place, Vec<Vec<f64>>)> {
-        let count = self.count("TARGET DATA", "Target-count");
-        let runs = self.count("RUNS", "Run-count");
-        let targets = self.targets();
-        let (count, runs) = (count?.0, runs?);
-        let listed = targets.as_ref().filter(|(targets, _)| targets.len() != count);
-        if let Some((targets, place)) = listed {
-            self.intake
-                .notes
-                .refuse(refusals::other_targets(targets.len(), count).at(place.clone()));
-        }
-        let runs = self.runs(runs, count)?;
-        let (targets, at) = targets.filter(|(targets, _)| targets.len() == count)?;
-        Some((targets, at, runs))
-    }
-
     /// Numbers behind `Targets :`, over as many lines as there are, and where they stand.
     fn targets(&self) -> Option<(Vec<f64>, Place)> {
         let lines = self.lines("TARGET DATA");
@@ -251,8 +243,7 @@ impl<'a> Sections<'a> {
             !line.is_blank() && !is_label
         };
         for line in self.lines("DEVIATIONS").iter().filter(is_row) {
-            let words = line.row(3, char::is_whitespace);
-            let read = words.and_then(|words| {
+            let read = line.row(3, char::is_whitespace).and_then(|words| {
                 let run = numbered(&words[0], "run", (runs, "Run-count"));
                 let target = numbered(&words[1], "target", (targets, "Target-count"));
                 let um = words[2].number("a deviation");
@@ -331,13 +322,13 @@ impl<'a> Sections<'a> {
     fn check_material(&self, length_mm: f64) {
         let environment = self.fields("ENVIRONMENT");
         // A sensor that is absent writes zeros.
+        let is_number = |number: &f64| *number != 0.0 && number.abs() <= LARGEST_NUMBER;
         let numbers = |begins: &'static str| {
             let lines = environment.0.iter().filter(move |(key, _)| key.starts_with(begins));
-            let numbers = lines.flat_map(|(_, line)| {
+            lines.flat_map(move |(_, line)| {
                 let numbers = line.text.split_whitespace().filter_map(plain_number);
-                numbers.map(move |number| (line, number))
-            });
-            numbers.filter(|(_, number)| *number != 0.0 && number.abs() <= LARGEST_NUMBER)
+                numbers.filter(is_number).map(move |number| (line, number))
+            })
         };
         let from_20 = |celsius: f64| (celsius - REFERENCE_C).abs();
         let farthest = numbers("mattemp").max_by(|a, b| from_20(a.1).total_cmp(&from_20(b.1)));

@@ -234,20 +234,18 @@ fn terms(section: &Section<'_>, key: &'static str) -> WantedTerms {
                 section.refuse(key, refusals::term_twice(shown(name)));
             }
             Some(term) => listed.push(term),
-            None => unknown_term(section, name),
+            None => {
+                let names = ErrorTerm::ALL.map(|term| term.to_string());
+                let all = format!("terms: {}", names.join(", "));
+                let help = did_you_mean(name, names.iter().map(String::as_str), &all);
+                section.refuse(key, refusals::unknown_term(shown(name), help));
+            }
         }
     }
     if names.is_empty() {
         section.refuse(key, refusals::no_term_at_all());
     }
     WantedTerms::Listed(listed)
-}
-
-fn unknown_term(section: &Section<'_>, name: &str) {
-    let names: Vec<String> = ErrorTerm::ALL.iter().map(ToString::to_string).collect();
-    let all = format!("terms: {}", names.join(", "));
-    let help = did_you_mean(name, names.iter().map(String::as_str), &all);
-    section.refuse("terms", refusals::unknown_term(shown(name), help));
 }
 
 fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {

@@ -1,7 +1,7 @@
 //! `[program]`: the part programs of a measuring run (contract §2.5, docs/measuring.md).
 
 use crate::inputs::job::diagonals::{DiagonalMeasurement, Reflector, volume};
-use crate::inputs::job::measurement::{MeasuredData, Measurement};
+use crate::inputs::job::measurement::Measurement;
 use crate::inputs::refusals;
 use crate::quantity::{Axis, Millimetres, PathKind, Volume};
 use crate::text::{Places, Section, Word, once, section, words};
@@ -196,16 +196,8 @@ fn only_of(section: &Section<'_>, key: &'static str, what: Option<RunType>, own:
     section.only_with(key, what.is_none_or(|what| what == own), &with);
 }
 
-/// The box of the measurement.
-fn measured(measurement: Option<&Measurement>) -> Option<&Volume> {
-    match &measurement?.data {
-        MeasuredData::Diagonals(diagonals) => Some(&diagonals.volume),
-        MeasuredData::Errors(_) => None,
-    }
-}
-
 fn size_path(section: &Section<'_>, measurement: Option<&Measurement>) -> &'static str {
-    match section.has("size_mm") || measured(measurement).is_none() {
+    match section.has("size_mm") || measurement.and_then(Measurement::diagonals).is_none() {
         true => "program.size_mm",
         false => "measurement.step_diagonal.size_mm",
     }
@@ -218,7 +210,7 @@ fn measured_box(
     measurement: Option<&Measurement>,
 ) -> Option<Volume> {
     only_of(section, "order", what, RunType::StepDiagonal);
-    let measured = measured(measurement);
+    let measured = measurement.and_then(Measurement::diagonals).map(|measured| &measured.volume);
     let kind = what.and_then(RunType::path).unwrap_or(PathKind::Straight);
     let is_required = measured.is_none() && measurement.is_some();
     volume(section, kind, measured, is_required)
@@ -227,10 +219,9 @@ fn measured_box(
 /// What the job states for the same kind of run, else what is usual for it.
 fn target(what: Option<RunType>, measurement: Option<&Measurement>) -> Reflector {
     let kind = what.and_then(RunType::path);
-    match measurement.map(|m| &m.data) {
-        Some(MeasuredData::Diagonals(measured)) if Some(measured.kind) == kind => measured.target,
-        _ => Reflector::usual(kind.unwrap_or(PathKind::Straight)),
-    }
+    let same = measurement.and_then(Measurement::diagonals).filter(|own| Some(own.kind) == kind);
+    let usual = || Reflector::usual(kind.unwrap_or(PathKind::Straight));
+    same.map_or_else(usual, |measured| measured.target)
 }
 
 fn axes(section: &Section<'_>, key: &'static str, what: Option<RunType>) -> Option<Vec<Axis>> {

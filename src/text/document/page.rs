@@ -1,6 +1,6 @@
 //! A page of TOML: read, and its problems with their places.
 
-use super::section::{Noted, Section, empty_keys};
+use super::section::{Noted, Section, spots};
 use crate::text::{
     LARGEST_PAGE, Place, Problem, Problems, Source, refuse_large_page, refused, shown,
 };
@@ -17,30 +17,10 @@ pub(crate) fn states(source: &Source, key: &str) -> bool {
 /// every problem is collected, and where there is one, `besides` notes what else is wrong. The source
 /// comes back with the places of its keys. A key that `needs` refuses may be empty; it gets a dotted
 /// path, entries of a list without number.
-pub(crate) fn read_page_for<T>(
-    source: Source,
-    needs: impl Fn(&str) -> bool,
-    read: impl FnOnce(&Section<'_>) -> Option<T>,
-    besides: impl FnOnce(&Section<'_>),
-) -> Result<(T, Source), Problems> {
-    read_layers((source, &[], |_, _| ()), needs, read, besides)
-}
-
-/// The same for a page all of whose keys are needed and that builds on others, the nearest first: `lay_over` takes into a page what it
-/// wants of the one below. The places below are those of a text in which one page follows the other.
-pub(crate) fn read_page_over<T>(
-    source: Source,
-    below: &[&str],
-    lay_over: LayOver,
-    read: impl FnOnce(&Section<'_>) -> Option<T>,
-) -> Result<(T, Source), Problems> {
-    read_layers((source, below, lay_over), |_| true, read, |_| ())
-}
-
-/// Takes into a page what it wants of the one below.
-type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
-
-fn read_layers<T>(
+///
+/// A page may build on others, the nearest first: `lay_over` takes into a page what it wants of the one below. The
+/// places below are those of a text in which one page follows the other.
+pub(crate) fn read_page<T>(
     (mut source, below, lay_over): (Source, &[&str], LayOver),
     needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
@@ -63,23 +43,40 @@ fn read_layers<T>(
     let section = Section::root(&source, root.get_ref(), &noted);
     let value = read(&section);
     section.refuse_unknown_keys();
-    let mut empty = Vec::new();
-    empty_keys(root.get_ref(), "", &mut empty);
-    empty.retain(|(key, _)| needs(key));
-    section.note_all(to_be_filled_in(&source, empty));
+    let mut all = Vec::new();
+    spots(root.get_ref(), "", &mut all);
+    let without_number =
+        |path: &str| path.split('[').filter_map(|part| part.rsplit(']').next()).collect::<String>();
+    let open = all.iter().filter(|(path, _, is_empty)| *is_empty && needs(&without_number(path)));
+    let open = open.map(|(_, span, _)| span.clone()).collect();
+    section.note_all(to_be_filled_in(&source, open));
     if !noted.problems.is_sound() {
         besides(&section);
     }
     noted.problems.end(())?;
-    source.spots = noted.spots.into_inner();
+    let stated = all.into_iter().filter(|(.., is_empty)| !is_empty);
+    source.spots = stated.map(|(path, span, _)| (path, span)).collect();
     let unread = || Problem::new(format!("`{}` could not be read", source.name));
     Ok((value.ok_or_else(unread)?, source))
 }
 
+/// The same of a page all of whose keys are needed.
+pub(crate) fn read_page_over<T>(
+    source: Source,
+    below: &[&str],
+    lay_over: LayOver,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<(T, Source), Problems> {
+    read_page((source, below, lay_over), |_| true, read, |_| ())
+}
+
+/// Takes into a page what it wants of the one below.
+type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
+
 /// All keys that are to be filled in, as one problem that shows their lines.
-fn to_be_filled_in(source: &Source, mut empty: Vec<(String, Range<usize>)>) -> Problems {
-    empty.sort_by_key(|(_, span)| span.start);
-    let mut places = empty.iter().map(|(_, span)| source.place(span));
+fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
+    empty.sort_by_key(|span| span.start);
+    let mut places = empty.iter().map(|span| source.place(span));
     let Some(first) = places.next() else {
         return Problems::none();
     };

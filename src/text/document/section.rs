@@ -2,10 +2,9 @@
 
 use crate::text::{Notes, Problem, Problems, did_you_mean, nearest, once, refused, shown};
 
-use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
+use super::{LARGEST_NUMBER, LONGEST_MM, Source};
 use std::cell::RefCell;
 use std::ops::Range;
-use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -18,8 +17,6 @@ pub struct Section<'a> {
     table: &'a DeTable<'a>,
     span: Range<usize>,
     path: String,
-    /// The path with the number of each entry of a list (`linear[1]`), by which places are kept.
-    spot: Arc<str>,
     asked: RefCell<Vec<&'static str>>,
     noted: &'a Noted,
 }
@@ -35,7 +32,6 @@ impl<'a> Section<'a> {
             table,
             span: 0..0,
             path: String::new(),
-            spot: Arc::from(""),
             asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
             noted,
         }
@@ -81,13 +77,7 @@ impl<'a> Section<'a> {
     /// The value of a key; of one that is to be filled in there is none.
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
         self.asked.borrow_mut().push(key);
-        let value = self.table.get(key).filter(|value| !is_empty(value.get_ref()))?;
-        self.noted.spots.borrow_mut().push(Spot {
-            section: Arc::clone(&self.spot),
-            key,
-            span: value.span(),
-        });
-        Some(value.get_ref())
+        self.table.get(key).map(Spanned::get_ref).filter(|value| !is_empty(value))
     }
 
     fn unexpected(&self, key: &str, found: &str, expected: &str) {
@@ -208,17 +198,13 @@ impl<'a> Section<'a> {
         self.signed(key, "a number above 0", |number| number > 0.0)
     }
 
-    fn signed(
-        &self,
-        key: &'static str,
-        expected: &str,
-        is_such: impl Fn(f64) -> bool,
-    ) -> Option<f64> {
+    fn signed(&self, key: &'static str, expected: &str, is_such: fn(f64) -> bool) -> Option<f64> {
         let number = self.number(key)?;
         if !is_such(number) {
             self.unexpected(key, &number.to_string(), expected);
+            return None;
         }
-        Some(number).filter(|number| is_such(*number))
+        Some(number)
     }
 
     /// What was read, unless it is too large.
@@ -296,40 +282,28 @@ impl<'a> Section<'a> {
     pub fn section(&self, key: &'static str) -> Option<Section<'a>> {
         let table = self.typed(key, "a section", DeValue::as_table)?;
         let span = self.table.get(key)?.span();
-        Some(self.child(table, span, key, &joined(&self.spot, key)))
+        Some(self.child(table, span, key))
     }
 
-    /// A list of sub-sections (`[[key]]`); empty if absent. The places of their keys are kept
-    /// under `key[0]`, `key[1]` …
+    /// A list of sub-sections (`[[key]]`); empty if absent.
     pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
         let items = self.typed(key, "a list of sections", |value| {
             value.as_array().filter(|items| items.iter().all(|item| item.get_ref().is_table()))
         });
-        let child = |(index, item): (usize, &'a Spanned<DeValue<'a>>)| {
-            let spot = format!("{}[{index}]", joined(&self.spot, key));
-            Some(self.child(item.get_ref().as_table()?, item.span(), key, &spot))
+        let child = |item: &'a Spanned<DeValue<'a>>| {
+            Some(self.child(item.get_ref().as_table()?, item.span(), key))
         };
-        items.into_iter().flatten().enumerate().filter_map(child).collect()
+        items.into_iter().flatten().filter_map(child).collect()
     }
 
     /// A sub-section that is not there: no key of it is stated, and none is required.
     pub(crate) fn absent(&self, key: &str) -> Section<'a> {
-        self.child(&self.noted.nothing, self.span.clone(), key, &joined(&self.spot, key))
+        self.child(&self.noted.nothing, self.span.clone(), key)
     }
 
-    fn child(
-        &self,
-        table: &'a DeTable<'a>,
-        span: Range<usize>,
-        key: &str,
-        spot: &str,
-    ) -> Section<'a> {
-        Section {
-            span,
-            path: self.path_of(key),
-            spot: Arc::from(spot),
-            ..Section::root(self.source, table, self.noted)
-        }
+    fn child(&self, table: &'a DeTable<'a>, span: Range<usize>, key: &str) -> Section<'a> {
+        let path = self.path_of(key);
+        Section { span, path, ..Section::root(self.source, table, self.noted) }
     }
 
     /// Keys and texts of a free sub-section (protocol); numbers are kept as they are written.
@@ -352,10 +326,9 @@ impl<'a> Section<'a> {
         let known = self.asked.borrow();
         for (key, _) in self.table.iter() {
             let name: &str = key.get_ref();
-            if known.contains(&name) {
-                continue;
+            if !known.contains(&name) {
+                self.note(|| self.unknown_key(name, key.span(), &known));
             }
-            self.note(|| self.unknown_key(name, key.span(), &known));
         }
     }
 
@@ -391,14 +364,19 @@ fn is_empty(value: &DeValue<'_>) -> bool {
     value.as_str() == Some("")
 }
 
-/// The keys of a table that are to be filled in, those of its sections too: dotted path, and where the value stands.
-pub(super) fn empty_keys(table: &DeTable<'_>, path: &str, found: &mut Vec<(String, Range<usize>)>) {
+/// Where the value of a key stands, by its dotted path, and whether it is to be filled in.
+type Spot = (String, Range<usize>, bool);
+
+/// The keys of a table and of its sections; entries of a list with their number (`linear[1]`).
+pub(super) fn spots(table: &DeTable<'_>, path: &str, found: &mut Vec<Spot>) {
     for (key, value) in table {
         let path = joined(path, key.get_ref());
-        let sections = value.get_ref().as_array().into_iter().flatten();
-        let sections = sections.chain([value]).filter_map(|v| v.get_ref().as_table());
-        sections.for_each(|section| empty_keys(section, &path, found));
-        found.extend(is_empty(value.get_ref()).then(|| (path, value.span())));
+        value.get_ref().as_table().into_iter().for_each(|section| spots(section, &path, found));
+        for (index, entry) in value.get_ref().as_array().into_iter().flatten().enumerate() {
+            let sections = entry.get_ref().as_table().into_iter();
+            sections.for_each(|section| spots(section, &format!("{path}[{index}]"), found));
+        }
+        found.push((path, value.span(), is_empty(value.get_ref())));
     }
 }
 
@@ -426,7 +404,6 @@ fn list_of<T>(value: &DeValue<'_>, read: impl Fn(&DeValue<'_>) -> Option<T>) -> 
 #[derive(Default)]
 pub(super) struct Noted {
     pub(super) problems: Notes,
-    pub(super) spots: RefCell<Vec<Spot>>,
     /// A section that is not there.
     nothing: DeTable<'static>,
 }
