@@ -21,7 +21,7 @@ mod _core {
     /// k with which U = k·u holds the true value in 95.45 % of all cases (Student; GUM, annex G).
     #[pyfunction]
     fn coverage_factor(degrees_of_freedom: f64) -> f64 {
-        nonius::machine::separation::noise::coverage_factor(Some(degrees_of_freedom))
+        nonius::machine::separation::readings::coverage_factor(Some(degrees_of_freedom))
     }
 
     /// A label with its unit, and both ends.

@@ -6,7 +6,7 @@ use crate::cli::show::um;
 use crate::inputs::job::{Job, UseOf};
 use crate::judge::findings::joined;
 use crate::kit::visit_plan::{Design, SetUpTimes, Visit, VisitPlan, listed as in_words, plan};
-use crate::machine::separation::findings::SeparationFinding;
+use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, Diagonal, ErrorTerm, PerPlane, PerTerm};
 use crate::text::{Finding, Problems};
 use crate::visit::files::Files;

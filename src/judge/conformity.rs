@@ -16,7 +16,7 @@
 //! (Šidák, J. Amer. Statist. Assoc. 62 (1967) 626–633). Where σ was estimated, all share its
 //! error: the product is averaged over χ² (multivariate Student). Nothing is drawn by chance.
 
-use crate::machine::separation::noise::NORMAL_ONE_SIDED;
+use crate::machine::separation::readings::NORMAL_ONE_SIDED;
 use crate::quantity::larger;
 use crate::text::words;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};

@@ -17,23 +17,23 @@
 //! ```
 //! and 0 at the reference itself. The values of a table are taken as independent of each other, which
 //! is cautious for differences to the reference where they rise together. The scale of the laser is one
-//! error of all positions and axes: along a diagonal it counts once ([`laser_um_per_m`]). A table that `separate` wrote states u = 0 where its curves
+//! error of all positions and axes: along a diagonal it counts once ([`ErrorModel::laser_um_per_m`]). A table that `separate` wrote states u = 0 where its curves
 //! are zero and holds noise and scale of the laser already.
 
 pub use self::measured::Measured;
 use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, measured_range};
-use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series, Sizes};
+use crate::inputs::error_table::{Cause, ErrorTable, Heading, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
+use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::machine::separation::joint::zero;
 use crate::quantity::{
     AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerTerm,
-    larger,
+    Plane, larger,
 };
 use crate::text::{Finding, Problems};
 
 pub(in crate::machine) mod measured;
-mod squareness;
 
 /// One measured term.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +151,7 @@ impl ErrorModel {
         let sizes: Vec<(ErrorTerm, f64)> = terms.iter().filter_map(size).collect();
         measured::refuse_unlikely(job, table, &sizes, &mut problems);
         let rotations = measured::rotations(job, table);
-        let said = &table.remarks;
+        let (said, laser_ppm) = (&table.remarks, job.measurement.uncertainty.laser_ppm);
         let mut zeros =
             [&said.largest, &said.measured].into_iter().flatten().map(|most| &most.zero);
         let other = zeros.clone().find(|own| **own != zero(job)).cloned();
@@ -169,7 +169,7 @@ impl ErrorModel {
             known_squareness: Vec::new(),
             rotations,
             ranges,
-            laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
+            laser_um_per_m: beside_table(job, laser_ppm).unwrap_or(0.0),
             headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
             unused: measured::not_compensated(table)
                 .into_iter()
@@ -218,11 +218,10 @@ impl ErrorModel {
     ///         in mm under a column in µm
     pub(crate) fn unlikely_small(&self, noise_um: Option<f64>) -> Option<Finding> {
         let largest = self.measured().map(|(_, measured)| measured.largest_um());
-        let largest = largest.fold(0.0, f64::max);
-        let is_believed = noise_um.is_some_and(|noise| noise < largest);
-        let found =
-            ModelFinding::UnlikelySmall { largest_um: largest, least_um: UNLIKELY_SMALL_UM };
-        (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| found.into())
+        let (largest_um, least_um) = (largest.fold(0.0, f64::max), UNLIKELY_SMALL_UM);
+        let is_believed = noise_um.is_some_and(|noise| noise < largest_um);
+        let found = ModelFinding::UnlikelySmall { largest_um, least_um };
+        (largest_um > 0.0 && largest_um < least_um && !is_believed).then(|| found.into())
     }
 
     /// The measured terms in the contract's order.
@@ -285,12 +284,9 @@ fn points(
     term: ErrorTerm,
     axis: MachineAxis,
 ) -> Vec<PointUncertainty> {
-    let noise_um = match job.measurement.data {
-        MeasuredData::Errors(_) => job.measurement.uncertainty.noise_um,
-        MeasuredData::Diagonals(_) => None, // their table holds it
-    };
-    let noise_um = noise_um.filter(|noise| *noise > 0.0); // 0 states nothing
-    let laser_um_per_m = laser_um_per_m(job).filter(|_| term.is_positioning());
+    let stated = job.measurement.uncertainty;
+    let noise_um = beside_table(job, stated.noise_um);
+    let laser_um_per_m = beside_table(job, stated.laser_ppm).filter(|_| term.is_positioning());
     let column = measured.iter().any(|s| s.uncertainties_um[term.of].is_some());
     if !column && noise_um.is_none() && laser_um_per_m.is_none() {
         return Vec::new();
@@ -320,11 +316,10 @@ fn with_periods(job: &Job, doubtful: Option<&Sizes>) -> Option<Sizes> {
     Some(own.joined(&between, |own, between| own + between))
 }
 
-/// Scale of the laser that the job states beside its table, µm/m; separated readings hold it already.
-fn laser_um_per_m(job: &Job) -> Option<f64> {
-    let stated = job.measurement.uncertainty.laser_ppm;
+/// An uncertainty that the job states beside its table; that of separated readings holds it already. 0 states nothing.
+fn beside_table(job: &Job, stated: Option<f64>) -> Option<f64> {
     let beside = matches!(job.measurement.data, MeasuredData::Errors(_));
-    stated.filter(|ppm| beside && *ppm > 0.0)
+    stated.filter(|u| beside && *u > 0.0)
 }
 
 /// The column's u where the curve is zeroed, µm: of the row at the reference, else the larger of its
@@ -336,4 +331,104 @@ fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Optio
     let is_there = places.get(above).is_some_and(|at| (*at - reference).mm() <= AT_PLACE_MM);
     let below = if is_there { above } else { above.saturating_sub(1) };
     column.iter().copied().take(above + 1).skip(below).reduce(larger)
+}
+
+// The squareness of two axes in the curves of their cross terms: the sum of both slopes. A straightness that was evaluated
+// about its own line has no slope and holds none: then the job states it, and it is added to one of the two.
+
+/// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
+const LEVEL_UM: f64 = 0.1;
+/// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
+const SAME_SHARE: f64 = 0.25;
+
+impl ErrorModel {
+    /// Readings of the diagonals hold the squareness, however small: of a table that was separated it is known.
+    fn know_separated(&mut self, table: &ErrorTable) {
+        if table.remarks.frame.is_some() && table.is_single() {
+            self.known_squareness.extend(Plane::ALL.map(Plane::carrier));
+        }
+    }
+
+    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured and hold it; end-point
+    /// slopes. Positive = the angle between the positive axis directions is less than 90°
+    /// (contract §1).
+    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
+        let pair = [(first, second), (second, first)].map(|(of, along)| ErrorTerm { of, along });
+        let is_known = pair.iter().all(|term| !self.without_squareness.contains(term));
+        slopes(&self.terms, pair[0]).filter(|_| is_known)
+    }
+
+    /// The terms to which a squareness would be added where neither slopes, the job nor readings of this measurement hold it.
+    pub(crate) fn level(&self) -> Vec<ErrorTerm> {
+        let all = Plane::ALL.into_iter().map(Plane::carrier);
+        let open = all.filter(|term| !self.known_squareness.contains(term));
+        open.filter(|term| are_level(&self.terms, *term)).collect()
+    }
+
+    /// Notes where the squareness of the machine is not known.
+    pub(crate) fn lacks_squareness(&mut self, terms: Vec<ErrorTerm>) {
+        let not_stated = &mut self.remarks.silence.not_stated;
+        not_stated.retain(|cause| *cause != Cause::Squareness);
+        not_stated.extend((!terms.is_empty()).then_some(Cause::Squareness));
+        self.without_squareness = terms;
+    }
+
+    /// Adds what the job states. What the slopes seem to hold already is a doubt.
+    fn add_squareness(&mut self, job: &Job, problems: &mut Problems) {
+        for (term, stated) in &job.measurement.squareness {
+            let slopes = slopes(&self.terms, *term);
+            let is_same = |own: &f64| (own.abs() - stated.abs()).abs() < SAME_SHARE * stated.abs();
+            let twice = slopes.filter(is_same);
+            let twice = twice.map(|slopes| ModelFinding::SquarenessTwice {
+                terms: [*term, term.twin()],
+                stated: *stated,
+                slopes,
+            });
+            self.remarks.doubts.extend(twice.map(Into::into));
+            self.known_squareness.push(*term);
+            let machine = job.machine.axes[term.along];
+            let (Some(measured), Some(machine)) = (self.terms[*term].as_mut(), machine) else {
+                let key = format!("{}{}", term.of.key(), term.along.key());
+                let words = format!("squareness is added to {term}, but {term} was not measured");
+                let help = format!(
+                    "give the straightness {term} in the error table, or leave this squareness out"
+                );
+                let key = format!("measurement.squareness_um_per_m.{key}");
+                problems.push(job.problem_at(&key, words).help(help));
+                continue;
+            };
+            // Outside the measured range the tilt is held with the curve, so off that range the line has
+            // its zero at the near end: the reference stays zero.
+            let homing = measured.measured.curve(machine.homing());
+            let Some(curve) = homing.or(measured.curves().next()) else { continue };
+            let (low, high) = curve.measured_range();
+            let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
+            let ways = measured.measured.ways();
+            let tilted = ways.map(|(way, curve)| (way, curve.plus_slope(*stated, zero)));
+            measured.measured = Measured::of(tilted).unwrap_or_else(|| measured.measured.clone());
+        }
+    }
+}
+
+fn slopes(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> Option<f64> {
+    let slope = |term: ErrorTerm| Some(terms[term].as_ref()?.end_point_slope_um_per_m());
+    Some(slope(term)? + slope(term.twin())?)
+}
+
+/// Whether a term was measured and neither it nor its twin has a slope: through the ends, or by least squares.
+fn are_level(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> bool {
+    let is_level = |measured: &MeasuredTerm| {
+        let curve = measured.measured.mean();
+        let positions: Vec<f64> = curve.knots().iter().map(|knot| knot.mm()).collect();
+        let deviations: Vec<f64> = positions.iter().map(|at| curve.um_at(*at)).collect();
+        let level_um = LEVEL_UM.min(range(deviations.iter().copied()) / 10.0);
+        let (from, to) = curve.measured_range();
+        let rise = |line: ReferenceLine| {
+            line.slope_um_per_m(&positions, &deviations).abs() * (to - from).mm() / 1000.0
+        };
+        [ReferenceLine::EndPoints, ReferenceLine::LeastSquares]
+            .into_iter()
+            .any(|line| rise(line) <= level_um)
+    };
+    terms[term].as_ref().is_some_and(is_level) && terms[term.twin()].as_ref().is_none_or(is_level)
 }

@@ -15,6 +15,7 @@ pub mod iso_230_2;
 pub mod vdi_3441;
 
 pub use self::diagonals::{DiagonalFigures, Diagonals, diagonal};
+pub(crate) use self::diagonals::{diagonal_runs, repeatability_um};
 
 /// How surely a formula or a condition is known: the same in all sources, and recomputed on measured data.
 pub const SURE: &str = "sure";

@@ -65,7 +65,8 @@ pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Picture 
 pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> Picture {
     let drawn = ErrorTerm::ALL.map(|term| {
         let positions = separation.volume.positions(term.along);
-        let ways = match separation.errors.minus.is_some() && separation.is_directed(term.along) {
+        let ways = match separation.errors.directed.is_some() && separation.is_directed(term.along)
+        {
             false => vec![(Ink::AsFound, None)],
             true => vec![(Ink::Up, Some(Direction::Plus)), (Ink::Down, Some(Direction::Minus))],
         };

@@ -5,7 +5,7 @@ use crate::support::diagonals::{
 };
 use crate::support::{Ran, Visit, fixture, golden_case, holds, number, words};
 use nonius::inputs::job::{Frame, SetUp};
-use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
+use nonius::machine::separation::readings::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::separate;
 use nonius::quantity::{
     Axis, Deviation, Diagonal, ErrorTerm, Pass, PerAxis, PerDiagonal, Run, Volume,

@@ -9,11 +9,12 @@ use crate::support::{is_held, may_be, short_or};
 use nonius::inputs::job::{
     AxisMaterial, DiagonalMeasurement, Frame, Material, SetUp, StatedUncertainty,
 };
-use nonius::machine::separation::closure::Agreement;
+use nonius::machine::separation::campaign::Estimate;
 use nonius::machine::separation::curves::{ReferenceLine, range};
+use nonius::machine::separation::metric::Agreement;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
-use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
-use nonius::machine::separation::reversal::{Estimate, Turn};
+use nonius::machine::separation::readings::{Noise, NoiseSource, coverage_factor};
+use nonius::machine::separation::reversal::Turn;
 use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::{
     Axis, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Plane, Volume,

@@ -14,7 +14,7 @@ use nonius::judge::conformity::Verdict;
 use nonius::judge::forecast::Machine as AsMeasured;
 use nonius::kit::visit_plan::{Design, SetUpTimes, Visit, plan};
 use nonius::machine::model::ErrorModel;
-use nonius::machine::separation::campaign::LinearReversal;
+use nonius::machine::separation::campaign::Estimate;
 use nonius::machine::separation::table::draft;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::{Axis, Diagonal, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, Plane};
@@ -155,9 +155,8 @@ fn measured(
     // An axis that is measured by itself is measured in both directions at every target.
     let u_um = std::f64::consts::SQRT_2 * row.noise.0 / f64::from(planned.variant.run.runs).sqrt();
     for axis in &planned.variant.linear {
-        let um: Vec<f64> = (0..=row.steps).map(|_| u_um * normal(random)).collect();
-        let u_um = Some(vec![u_um; um.len()]);
-        campaign.reversals[*axis] = Some(LinearReversal { um, u_um });
+        let mut of = |_| Estimate { um: u_um * normal(random), u_um: Some(u_um) };
+        campaign.reversals[*axis] = Some((0..=row.steps).map(&mut of).collect());
     }
     separate(&campaign, &all)
 }

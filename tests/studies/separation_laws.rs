@@ -6,7 +6,7 @@ use crate::support::diagonals::{
 };
 use crate::support::{error_table, short_or, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
-use nonius::machine::separation::corrections::AngleModel;
+use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::curves::Curve;
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::{
@@ -185,6 +185,7 @@ proptest! {
         prop_assert!(found.closure.outliers.is_empty());
         prop_assert_eq!(found.overrun, Some(false));
         let turn = found.turn.as_ref().unwrap();
+        let [plus, minus] = found.errors.directed.as_ref().unwrap();
         for axis in Axis::ALL {
             let lost = machine.lost_um[axis];
             for d in Diagonal::ALL {
@@ -194,8 +195,8 @@ proptest! {
                 let wanted = if of == axis { lost } else { 0.0 };
                 let term = ErrorTerm { of, along: axis };
                 close(turn.reversal[term].um, wanted, DUST_UM, term);
-                let minus = &found.errors.minus.as_ref().unwrap()[term].as_ref().unwrap().deviation_um;
-                let plus = &found.errors.plus.as_ref().unwrap()[term].as_ref().unwrap().deviation_um;
+                let minus = &minus[term].as_ref().unwrap().deviation_um;
+                let plus = &plus[term].as_ref().unwrap().deviation_um;
                 for (index, truth) in machine.curves[term].iter().enumerate() {
                     close(plus[index], *truth, DUST_UM, format!("{term} +"));
                     close(minus[index], truth - wanted, DUST_UM, format!("{term} -"));
@@ -317,14 +318,9 @@ fn false_bows(
     let table = error_table(&text);
     let mut measurement = measurement(volume, SetUp::AssumePerfect, Frame::AsMeasured);
     measurement.target = mirror;
-    let effects = AngleModel {
-        table: &table,
-        order: chain.order(),
-        levers: Levers::default(),
-        origin: PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0),
-        measurement: &measurement,
-    }
-    .effects();
+    let origin = PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0);
+    let levers = (chain.order(), Levers::default(), origin);
+    let effects = AngleEffects::of_table(&table, levers, &measurement);
     let of = |d| effects.of(d, Pass::Forward).unwrap().to_vec();
     naive(volume, &runs(1, Pass::Forward, &PerDiagonal::from_fn(of))).shapes
 }

@@ -6,12 +6,11 @@ use crate::cli::diagonals::diagonal_json;
 use crate::cli::outcome::{joined, known};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::Separation;
-use crate::machine::separation::closure::{Agreement, LineCheck};
-use crate::machine::separation::noise::{Noise, coverage_factor};
-use crate::machine::separation::readings::repeatability_um;
+use crate::machine::separation::metric::{Agreement, LineCheck};
+use crate::machine::separation::readings::{Noise, coverage_factor};
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
-use crate::machine::standards::Diagonals;
+use crate::machine::standards::{Diagonals, repeatability_um};
 use crate::quantity::{
     Diagonal, Direction, Listed, Pass, PerAxis, PerDiagonal, PerTerm, Volume, picometres,
 };

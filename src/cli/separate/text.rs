@@ -6,18 +6,17 @@ use super::words::{self, Found, expanded, freedom};
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{figure, named, um};
 use crate::inputs::job::SetUp;
-use crate::machine::separation::closure::Closure;
+use crate::machine::separation::campaign::Estimate;
+use crate::machine::separation::closure::{Closure, Ramps};
 use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated};
-use crate::machine::separation::noise::{
+use crate::machine::separation::readings::{
     FALSE_DOUBT, Noise, NoiseSource, Outlier, coverage_factor,
 };
-use crate::machine::separation::patterns::Ramps;
-use crate::machine::separation::readings::repeatability_um;
-use crate::machine::separation::reversal::{Estimate, Turn};
+use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
-use crate::machine::standards::Diagonals;
+use crate::machine::standards::{Diagonals, repeatability_um};
 use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Figure, Pass, PerAxis, Plane};
 use crate::text::joined;
 

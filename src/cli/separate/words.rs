@@ -3,9 +3,9 @@
 
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show::figure;
+use crate::machine::findings::CHECK;
 use crate::machine::separation::Separation;
-use crate::machine::separation::closure::Agreement;
-use crate::machine::separation::findings::CHECK;
+use crate::machine::separation::metric::Agreement;
 use crate::machine::separation::metric::Metric;
 use crate::machine::separation::monte_carlo::Simulated;
 use crate::machine::standards::Diagonals;
@@ -72,7 +72,11 @@ pub(super) fn screen(
     let heading = "Assumed, and what the uncertainty holds:";
     more.push(More::new(labels.len(), ["label", "labels"], list(heading, &labels)));
     Screen {
-        verdict: paragraphs(&[list("INCONSISTENT, so the answer is no:", doubts), determined, open]),
+        verdict: paragraphs(&[
+            list("INCONSISTENT, so the answer is no:", doubts),
+            determined,
+            open,
+        ]),
         figures,
         always: said.iter().map(|note| format!("note: {note}")).collect(),
         more,

@@ -89,9 +89,7 @@ pub(super) fn check_places(job: &Job, table: &ErrorTable, problems: &mut Problem
 
 fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems) {
     let series = table.series(axis);
-    if series.is_empty() {
-        return;
-    }
+    let Some(last) = series.last() else { return };
     let Some(machine) = job.machine.axes[axis] else {
         let words =
             format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key());
@@ -99,16 +97,41 @@ fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems
         problems.push(problem.help("add travel_mm and reference_mm of this axis"));
         return;
     };
+    let at_row = |problem: Problem, series: &Series, row| {
+        table.place(series, row).into_iter().fold(problem, Problem::at)
+    };
     for series in series {
-        check_inside_travel(table, axis, series, machine, problems);
+        let rows = outside(series, machine);
+        let Some(first) = rows.first() else { continue };
+        let position = series.positions[*first].mm();
+        let more = Some(rows.len() - 1).filter(|more| *more > 0);
+        let more =
+            more.map_or_else(String::new, |more| format!(", and {}", counted(more, "more row")));
+        let (low, high) = (machine.low.mm(), machine.high.mm());
+        let words = format!(
+            "position {position} mm of axis {axis} lies outside its travel {low} … {high} mm{more}"
+        );
+        let help = "positions are machine coordinates in the unit of their column; correct them or `travel_mm`";
+        problems.push(at_row(Problem::new(words).help(help), series, *first));
     }
     if measured_range(series).is_some_and(|(low, high)| low >= high) {
-        let problem = Problem::new(format!(
+        let words = format!(
             "the two directions of axis {axis} were measured at places that do not overlap"
-        ))
-        .help("measure both directions over the same range");
-        problems.push(at_row(problem, table, series.last().map(|second| (second, 0))));
+        );
+        let problem = Problem::new(words).help("measure both directions over the same range");
+        problems.push(at_row(problem, last, 0));
     }
+}
+
+/// Targets may miss the stated travel by this much (rounding of inch positions).
+const TRAVEL_TOLERANCE_MM: f64 = 0.01;
+
+/// The rows outside the travel.
+fn outside(series: &Series, machine: MachineAxis) -> Vec<usize> {
+    let [low, high] = [machine.low, machine.high].map(Millimetres::mm);
+    let travel = low - TRAVEL_TOLERANCE_MM..=high + TRAVEL_TOLERANCE_MM;
+    let rows = 0..series.positions.len();
+    rows.filter(|row| !travel.contains(&series.positions[*row].mm())).collect()
 }
 
 /// Errors that stay below this in every term are more often a unit error, µm; a laser resolves
@@ -146,40 +169,6 @@ pub(super) fn refuse_unlikely(
             problems.push(Problem::new(words).at(heading.place.clone()).help(help));
         }
     }
-}
-
-/// Targets may miss the stated travel by this much (rounding of inch positions).
-const TRAVEL_TOLERANCE_MM: f64 = 0.01;
-
-fn check_inside_travel(
-    table: &ErrorTable,
-    axis: Axis,
-    series: &Series,
-    machine: MachineAxis,
-    problems: &mut Problems,
-) {
-    let outside = |p: &Millimetres| {
-        p.mm() < machine.low.mm() - TRAVEL_TOLERANCE_MM
-            || p.mm() > machine.high.mm() + TRAVEL_TOLERANCE_MM
-    };
-    let rows: Vec<usize> =
-        (0..series.positions.len()).filter(|row| outside(&series.positions[*row])).collect();
-    let Some(first) = rows.first() else { return };
-    let position = series.positions[*first].mm();
-    let more = Some(rows.len() - 1).filter(|more| *more > 0);
-    let more = more.map_or_else(String::new, |more| format!(", and {}", counted(more, "more row")));
-    let problem = Problem::new(format!(
-        "position {position} mm of axis {axis} lies outside its travel {} … {} mm{more}",
-        machine.low.mm(),
-        machine.high.mm()
-    ))
-    .help("positions are machine coordinates in the unit of their column; correct them or `travel_mm`");
-    problems.push(at_row(problem, table, Some((series, *first))));
-}
-
-fn at_row(problem: Problem, table: &ErrorTable, row: Option<(&Series, usize)>) -> Problem {
-    let place = row.and_then(|(series, row)| table.place(series, row));
-    place.into_iter().fold(problem, Problem::at)
 }
 
 /// The measured rotations of a table, µrad in place of µm.

@@ -1,21 +1,23 @@
 //! What goes into a separation: how it was measured, the corrected readings and what their runs say by themselves, lines
 //! beside them; from a job and the tables it names.
 
-use super::corrections::{AngleEffects, AngleModel, expansion_um, falls_short, recorded};
-use super::curves::{at, mean};
-use super::linear::Layout;
-use super::noise::{ENOUGH, Noise, NoiseSource, Outlier, repeats};
-use super::readings::{Walk, walks};
+use super::corrections::{AngleEffects, expansion_um, falls_short, recorded};
+use super::curves::{at, closure_sign, mean, noise_gain};
+use super::linear::{Layout, Row};
+use super::readings::{
+    ENOUGH, Group, Noise, NoiseSource, Outlier, Walk, float, pass_of, repeats, walks,
+};
 use crate::inputs::error_table::{Cause, ErrorTable, Silence};
 use crate::inputs::job::{
     Beam, DiagonalMeasurement, Job, Linear, LinearSlope, Material, SetUp, StatedUncertainty,
 };
-use crate::machine::model::measured::{check_zeros, no_angles};
+use crate::machine::model::measured::{check_zeros, has_angles, no_angles};
 use crate::quantity::{
-    Axis, Deviation, Diagonal, Direction, Millimetres, Pass, PathKind, PerAxis, PerTerm, Run,
-    Volume,
+    Axis, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, PerTerm,
+    Run, Volume, unit,
 };
 use crate::text::{Problem, Problems};
+use serde::Serialize;
 
 /// What goes into a separation beside the readings.
 #[derive(Clone, Debug)]
@@ -91,7 +93,8 @@ pub(super) fn corrected(campaign: &Campaign<'_>, mut runs: Vec<Run>) -> Vec<Run>
 
 /// The runs of a measurement and what they say by themselves.
 #[derive(Clone)]
-pub(super) struct Start {
+pub(super) struct Start<'a> {
+    pub(super) campaign: &'a Campaign<'a>,
     /// Expansion of the scales at the mean of the recorded temperatures.
     pub(super) material: Option<Material>,
     /// The corrected runs.
@@ -101,55 +104,146 @@ pub(super) struct Start {
     /// Disturbed readings of single runs.
     pub(super) outliers: Vec<Outlier>,
     /// σ of a reading where repeats or the job give it.
+    pub(super) known: Option<Noise>,
+    /// σ that counts; `None` = not known, or not yet.
     pub(super) noise: Option<Noise>,
     /// σ of a measurement that is still to be made, where the closure would tell it, µm.
     pub(super) expected_um: Option<f64>,
     /// By how much reversals are known to change along their axes from elsewhere, µm.
     pub(super) change_um: PerTerm<f64>,
+    /// Whether the axes ran past the end point; `None` = not known.
+    pub(super) overrun: Option<bool>,
 }
 
-impl Start {
-    pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
+impl<'a> Start<'a> {
+    pub(super) fn new(campaign: &'a Campaign<'a>, raw_runs: &[Run]) -> Start<'a> {
         let material = campaign.measurement.material;
         let material = material.map(|material| recorded(&material, raw_runs));
         Start::of(campaign, corrected(campaign, raw_runs.to_vec()), material)
     }
 
     /// Of corrected runs.
-    pub(super) fn of(campaign: &Campaign<'_>, runs: Vec<Run>, material: Option<Material>) -> Start {
+    pub(super) fn of(
+        campaign: &'a Campaign<'a>,
+        runs: Vec<Run>,
+        material: Option<Material>,
+    ) -> Start<'a> {
         let (noise, outliers) = repeats(&runs);
         Start {
+            campaign,
             material,
-            expected_um: None,
-            change_um: PerTerm::from_fn(|_| 0.0),
             walks: walks(&runs),
             outliers,
-            noise: known_noise(campaign, noise),
+            known: known_noise(campaign, noise),
+            noise: None,
+            expected_um: None,
+            change_um: PerTerm::from_fn(|_| 0.0),
+            overrun: None,
             runs,
         }
     }
 
-    /// What is measured beside so many lines.
-    pub(super) fn layout(&self, lines: usize) -> Layout {
+    /// The measured box.
+    pub(super) fn volume(&self) -> &'a Volume {
+        &self.campaign.measurement.volume
+    }
+
+    /// What is measured.
+    pub(super) fn layout(&self) -> Layout {
         let nodes = self.walks.first().map_or(0, |walk| walk.um.len());
-        Layout { nodes, passes: self.walks.len() / Diagonal::ALL.len(), lines, apart: 0 }
+        let passes = self.walks.len() / Diagonal::ALL.len();
+        Layout { nodes, passes, lines: self.campaign.lines.len(), apart: 0 }
     }
 
-    /// The mean readings, in the order of a [`Layout`].
-    pub(super) fn means(&self) -> Vec<f64> {
-        self.walks.iter().flat_map(|walk| &walk.um).copied().collect()
-    }
-
-    /// The runs whose zero is that of the forward run: all, or the forward passes only.
-    pub(super) fn zeroed_runs(&self, reverse_zero_known: bool) -> Vec<Run> {
-        let zeroed = |run: &&Run| reverse_zero_known || run.pass == Pass::Forward;
-        self.runs.iter().filter(zeroed).cloned().collect()
+    /// z: mean readings, then lines.
+    pub(super) fn measured(&self) -> Vec<f64> {
+        let readings = self.walks.iter().flat_map(|walk| &walk.um).copied();
+        let lines = self.campaign.lines.iter().map(|line| line.slope_um_per_m);
+        let mut z: Vec<f64> = readings.chain(lines).collect();
+        z.resize(self.layout().len(), 0.0);
+        z
     }
 
     /// How many runs each of them is the mean of.
     pub(super) fn counts(&self) -> Vec<f64> {
-        let each = self.walks.iter().flat_map(|walk| walk.um.iter().map(|_| walk.runs));
-        each.collect()
+        self.walks.iter().flat_map(|walk| walk.um.iter().map(|_| walk.runs)).collect()
+    }
+
+    /// The runs whose zero is that of the forward run: all, or the forward passes only.
+    pub(super) fn zeroed_runs(&self) -> Vec<Run> {
+        let is_known = self.campaign.reverse_zero_known;
+        let zeroed = self.runs.iter().filter(|run| is_known || run.pass == Pass::Forward);
+        zeroed.cloned().collect()
+    }
+
+    /// Whether every diagonal was walked in both directions.
+    pub(super) fn both_ways(&self) -> bool {
+        self.layout().passes == 2
+    }
+
+    /// Whether the axes turned without overrun, so that jumps are taken off the reverse passes.
+    pub(super) fn turned(&self) -> bool {
+        self.overrun == Some(false)
+    }
+}
+
+/// Formulas (1) to (3) as rows over what was measured. The slopes hold the tilt of the mirror.
+impl Start<'_> {
+    /// The groups of readings of one pass, or of both.
+    pub(super) fn groups(&self) -> &'static [Group] {
+        match self.both_ways() {
+            true => &[Some(Direction::Plus), Some(Direction::Minus)],
+            false => &[None],
+        }
+    }
+
+    /// The reading of a pass at the far end of a step less that at the near one.
+    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Row {
+        let far = self.layout().reading(pass, d, self.volume().node_after(axis, step));
+        Row(vec![(far, 1.0), (far - 1, -1.0)])
+    }
+
+    /// J: the reverse less the forward increment of the last step of an axis.
+    pub(super) fn jump(&self, d: Diagonal, axis: Axis) -> Row {
+        let of = |pass| self.moved(pass, d, axis, self.volume().steps - 1);
+        Row::sum([(1.0, of(Pass::Reverse)), (-1.0, of(Pass::Forward))])
+    }
+
+    /// m: the reading at the far end of an interval less that at the near one.
+    fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
+        let step = self.volume().interval(d, axis, interval);
+        let is_turn = self.turned() && step + 1 == self.volume().steps;
+        let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
+        self.moved(pass, d, axis, step)
+    }
+
+    /// w: closure of an interval.
+    pub(super) fn closure(&self, group: Group, axis: Axis, interval: usize) -> Row {
+        let of = |d| (closure_sign(d, axis), self.increment(group, d, axis, interval));
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
+    /// δ of an interval of a term for one group of readings.
+    pub(super) fn delta(&self, term: ErrorTerm, group: Group, interval: usize) -> Row {
+        let gain = noise_gain(self.volume(), term.of) / 2.0;
+        let of = |d: Diagonal| {
+            let sign = gain * d.sign(term.along) * d.sign(term.of);
+            (sign, self.increment(group, d, term.along, interval))
+        };
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
+    /// The mean of the groups.
+    pub(super) fn mean(&self, of: impl Fn(Group) -> Row) -> Row {
+        let groups = self.groups();
+        Row::sum(groups.iter().map(|group| (1.0 / float(groups.len()), of(*group))))
+    }
+
+    /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
+    pub(super) fn sum(&self, d: Diagonal, axis: Axis) -> Row {
+        let all = 0..self.volume().steps;
+        let of = |group| all.clone().map(move |at| (1.0, self.increment(group, d, axis, at)));
+        self.mean(|group| Row::sum(of(group)))
     }
 }
 
@@ -194,8 +288,8 @@ pub fn campaign<'a>(
             continue;
         };
         lines.push(line);
-        let found = || LinearReversal::of(&ways);
-        reversals[linear.axis] = reversals[linear.axis].take().or_else(found);
+        let known = reversals[linear.axis].take();
+        reversals[linear.axis] = known.or_else(|| reversal(&ways));
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = tables.angles.as_ref().map(|table| angles(job, measurement, table));
@@ -210,43 +304,35 @@ pub fn campaign<'a>(
     })
 }
 
-/// A linear measurement of an axis in a direction at the interval ends of the box, lowest first: values, µm, and standard
-/// uncertainties (k = 1); `None` = the table gives none.
-pub(super) type Way = (Option<Direction>, Vec<f64>, Option<Vec<f64>>);
-
-/// B of a positioning error at the interval ends of the box, from a linear measurement.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LinearReversal {
-    /// Moving + minus moving −, lowest place first, µm.
-    pub um: Vec<f64>,
-    /// Standard uncertainties (k = 1), µm; `None` = the table gives none.
-    pub u_um: Option<Vec<f64>>,
+/// What is known of a value, µm.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
+pub struct Estimate {
+    /// The value.
+    pub um: f64,
+    /// Its standard uncertainty (k = 1); `None` = not known.
+    pub u_um: Option<f64>,
 }
 
-/// The linear measurements in both directions, by axis; `None` = there is none.
-pub type LinearReversals = PerAxis<Option<LinearReversal>>;
-
-impl LinearReversal {
-    /// Of a linear measurement, each direction with its values and their uncertainties at the interval ends; `None`
-    /// without both.
-    pub(super) fn of(ways: &[Way]) -> Option<Self> {
-        let way = |direction| ways.iter().find(|(way, ..)| *way == Some(direction));
-        let ((_, plus, u_plus), (_, minus, u_minus)) =
-            (way(Direction::Plus)?, way(Direction::Minus)?);
-        let pairs = |a: &[f64], b: &[f64], of: fn(f64, f64) -> f64| {
-            a.iter().zip(b).map(|(a, b)| of(*a, *b)).collect()
-        };
-        let u_um = u_plus.as_ref().zip(u_minus.as_ref());
-        Some(LinearReversal {
-            um: pairs(plus, minus, |plus, minus| plus - minus),
-            u_um: u_um.map(|(a, b)| pairs(a, b, f64::hypot)),
-        })
+impl Estimate {
+    /// The difference to another, the two apart.
+    fn less(self, other: Estimate) -> Estimate {
+        let u_um = self.u_um.zip(other.u_um).map(|(u, other)| u.hypot(other));
+        Estimate { um: self.um - other.um, u_um }
     }
+}
 
-    /// The largest of its uncertainties: its readings may share causes.
-    pub(super) fn u_largest_um(&self) -> Option<f64> {
-        Some(self.u_um.as_ref()?.iter().copied().fold(0.0, f64::max))
-    }
+/// A linear measurement of an axis in a direction, at the interval ends of the box, lowest first.
+type Way = (Option<Direction>, Vec<Estimate>);
+
+/// B of positioning errors by linear measurements in both directions, moving + minus moving −, at the interval ends of
+/// the box, lowest first; `None` = there is none.
+pub type LinearReversals = PerAxis<Option<Vec<Estimate>>>;
+
+/// B where an axis was measured in both directions.
+fn reversal(ways: &[Way]) -> Option<Vec<Estimate>> {
+    let [plus, minus] = Direction::BOTH.map(|own| ways.iter().find(|(way, _)| *way == Some(own)));
+    let pairs = plus?.1.iter().zip(&minus?.1);
+    Some(pairs.map(|(plus, minus)| plus.less(*minus)).collect())
 }
 
 /// The slope of a linear axis, and the directions in which its table gives it.
@@ -259,27 +345,23 @@ fn linear_line(
     linear: &Linear,
     table: Option<&ErrorTable>,
 ) -> Result<(MeasuredLine, Vec<Way>), Problems> {
+    let axis = linear.axis;
     let (stated, ways) = match (&linear.slope, table) {
         (LinearSlope::Stated(slope), _) => (Some(*slope), Vec::new()),
-        (LinearSlope::Errors(_), Some(table)) => (None, over_box(volume, linear.axis, table)?),
-        (LinearSlope::Errors(path), None) => {
-            return Err(Problem::new(format!("`{path}` was not read")).into());
-        }
-        (LinearSlope::NotYet, _) => {
-            let words = format!("the slope of axis {} is not stated", linear.axis);
+        (LinearSlope::Errors(_), Some(table)) => (None, over_box(volume, axis, table)?),
+        _ => {
+            let words = format!("the slope of axis {axis} is not stated");
             return Err(Problem::new(words).help("state `slope_um_per_m`").into());
         }
     };
-    let per_m = |um: &[f64], of: fn(f64, f64) -> f64| {
-        1000.0 * of(um[volume.steps], um[0]) / volume.size[linear.axis].mm()
-    };
-    let slopes = ways.iter().map(|(_, um, _)| per_m(um, |high, low| high - low));
-    let u = ways.iter().map(|(.., u_um)| Some(per_m(u_um.as_ref()?, f64::hypot)));
-    let u = u.collect::<Option<Vec<f64>>>().filter(|u| !u.is_empty());
+    let per_m = 1000.0 / volume.size[axis].mm();
+    let rises = ways.iter().map(|(_, way)| way[volume.steps].less(way[0]));
+    let u: Option<Vec<f64>> = rises.clone().map(|rise| rise.u_um).collect();
+    let u = u.filter(|u| !u.is_empty()).map(|u| per_m * mean(u.into_iter()));
     let line = MeasuredLine {
-        direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
-        slope_um_per_m: stated.unwrap_or_else(|| mean(slopes)),
-        u_um_per_m: linear.u_um_per_m.or(u.map(|u| mean(u.into_iter()))),
+        direction: unit(axis),
+        slope_um_per_m: stated.unwrap_or_else(|| per_m * mean(rises.map(|rise| rise.um))),
+        u_um_per_m: linear.u_um_per_m.or(u),
         ends: None,
     };
     Ok((line, ways))
@@ -287,7 +369,6 @@ fn linear_line(
 
 /// A linear measurement at the interval ends of the box.
 fn over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<Vec<Way>, Problems> {
-    let nodes = volume.positions(axis);
     let words = (format!("E{axis}{axis} is"), "the axis");
     let mut ways = Vec::new();
     for series in table.series(axis) {
@@ -295,12 +376,11 @@ fn over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<Vec<Way>,
         if let Some(problem) = falls_short(table, series, (volume, axis), &words) {
             return Err(problem.into());
         }
-        let over = |um: &[f64]| -> Vec<f64> {
-            nodes.iter().map(|node| at(&series.positions, um, node.mm())).collect()
-        };
         let um: Vec<f64> = values.iter().map(|value| value.um()).collect();
-        let u_um = series.uncertainties_um[axis].as_deref().map(over);
-        ways.push((series.direction, over(&um), u_um));
+        let here = |node: &Millimetres, um: &[f64]| at(&series.positions, um, node.mm());
+        let u_um = series.uncertainties_um[axis].as_ref();
+        let of = |node| Estimate { um: here(node, &um), u_um: u_um.map(|u| here(node, u)) };
+        ways.push((series.direction, volume.positions(axis).iter().map(of).collect()));
     }
     if ways.is_empty() {
         let words = format!(
@@ -329,15 +409,20 @@ pub fn angles(
     measurement: &DiagonalMeasurement,
     table: &ErrorTable,
 ) -> Result<AngleEffects, Problems> {
-    let chain = job.chain_for_angles("measurement.angles")?;
-    let levers = job.measurement.levers;
-    let (order, origin) = (chain.order(), levers.origin(&job.machine.axes));
+    let (chain, levers) = (job.chain_for_angles("measurement.angles")?, job.measurement.levers);
     if let Some(problem) = no_angles(table) {
         return Err(problem.into());
     }
-    let model = AngleModel { table, order, levers, origin, measurement };
     let mut problems = Problems::none();
-    model.check(&mut problems);
+    for (axis, series) in
+        Axis::ALL.into_iter().flat_map(|axis| table.series(axis).iter().map(move |s| (axis, s)))
+    {
+        let words = (format!("the angles of {axis} are"), "the angles");
+        let short = falls_short(table, series, (&measurement.volume, axis), &words);
+        short.filter(|_| has_angles(series)).into_iter().for_each(|problem| problems.push(problem));
+    }
     check_zeros(job, table, &mut problems);
-    problems.or_ok(()).map(|()| model.effects())
+    let origin = levers.origin(&job.machine.axes);
+    let effects = || AngleEffects::of_table(table, (chain.order(), levers, origin), measurement);
+    problems.or_ok(()).map(|()| effects())
 }

@@ -17,20 +17,17 @@
 //! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
 //! are judged with those readings left out, so that no reading makes a ramp.
 
-use crate::inputs::job::SetUp;
-use crate::machine::separation::curves::{mean, noise_gain};
-use crate::machine::separation::findings::{SeparationFinding, SeparationFinding as Found};
-use crate::machine::separation::linear::Model;
-use crate::machine::separation::metric::{Equation, Equations, Metric};
-use crate::machine::separation::noise::{
-    FALSE_DOUBT, NORMAL_ONE_SIDED, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float,
-    student, tails,
+use super::campaign::Start;
+use super::curves::{mean, noise_gain};
+use super::linear::{Banded, Cause, Layout, Model, Row};
+use super::readings::{
+    DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, NoiseSource, Outlier,
+    ReadingPlace, UNRESOLVED_UM, chance_of, float, pass_of, stands_out, student, tails,
 };
-use crate::machine::separation::patterns::{Patterns, Ramps};
-use crate::machine::separation::readings::pass_of;
-use crate::machine::separation::uncertainty::Budget;
-use crate::quantity::{Axis, Diagonal, Figure, PerAxis, Squared, Volume};
-use crate::text::{Finding, joined};
+use crate::machine::findings::SeparationFinding as Found;
+use crate::quantity::{Axis, Diagonal, PerAxis, Squared, Volume};
+use crate::text::Finding;
+use nalgebra::{DVector, Matrix3, Vector3};
 
 /// More disturbed readings are counted in the doubts; the result lists them.
 const NAMED: usize = 3;
@@ -103,13 +100,8 @@ impl Closure {
         sigma_um * self.scatter[axis] / float(self.by_interval[axis].len()).sqrt()
     }
 
-    /// What it says against the nine errors.
-    pub(super) fn doubts(
-        &self,
-        noise: Option<Noise>,
-        volume: &Volume,
-        setup: SetUp,
-    ) -> Vec<Finding> {
+    /// What it says against the nine errors; `perfect`: the noise, where the set-up is assumed perfect.
+    pub(super) fn doubts(&self, volume: &Volume, perfect: Option<Noise>) -> Vec<Finding> {
         // How far a disturbed reading moves the curves: one increment too long, the next too short.
         let gain = Axis::ALL.map(|of| noise_gain(volume, of) / 2.0);
         let gain = gain.into_iter().fold(0.0, f64::max);
@@ -121,7 +113,6 @@ impl Closure {
         let more = (more > 0).then_some(Found::MoreDisturbed { more });
         let roll = self.ramps.as_ref().filter(|ramps| ramps.is_roll());
         let roll = roll.map(|ramps| Found::Roll { changes: ramps.change_um });
-        let perfect = noise.filter(|_| setup == SetUp::AssumePerfect);
         let tilted = perfect.and_then(|noise| self.against_perfect(noise));
         named.chain(more).chain(roll).chain(tilted).map(Finding::from).collect()
     }
@@ -156,173 +147,296 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
 
 /// The closure of mean readings, without the first and last intervals where a missing overrun spoils them; `causes`:
 /// what stated angles do to the readings. And its least-squares problem; `None` where that is singular.
-pub(super) fn closure(budget: &Budget<'_>, causes: Option<&Model>) -> (Closure, Option<Patterns>) {
-    let start = budget.start;
-    let (z, counts) = (start.means(), start.counts());
-    let w = |axis, at| budget.mean(|group| budget.closure(group, axis, at)).dot(&z);
+pub(super) fn closure(start: &Start<'_>, causes: Option<&Model>) -> (Closure, Option<Patterns>) {
+    let z = start.measured();
+    let w = |axis, at| start.mean(|group| start.closure(group, axis, at)).dot(&z);
     let by_interval: PerAxis<Vec<f64>> =
-        PerAxis::from_fn(|axis| (0..budget.volume().steps).map(|at| w(axis, at)).collect());
+        PerAxis::from_fn(|axis| (0..start.volume().steps).map(|at| w(axis, at)).collect());
     let mut closure = Closure {
         mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
         by_interval,
-        scatter: PerAxis::from_fn(|axis| scatter(budget, &counts, axis)),
+        scatter: PerAxis::from_fn(|axis| scatter(start, axis)),
         ramps: None,
         weighted_square: 0.0,
         freedom: 0,
         outliers: start.outliers.clone(),
     };
-    let Some(mut patterns) = Patterns::new(budget) else {
+    let Some(mut patterns) = Patterns::new(start) else {
         return (closure, None);
     };
-    closure.outliers.extend(patterns.name_outliers(start.noise.map(|noise| noise.sigma_um)));
-    closure.ramps = patterns.ramps(start.noise, causes);
+    closure.outliers.extend(patterns.name_outliers(start.known.map(|noise| noise.sigma_um)));
+    closure.ramps = patterns.ramps(start.known, causes);
     if closure.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
-        patterns.leave_out_ramps();
+        patterns.leave_out(patterns.ramps.clone());
     }
     (closure.weighted_square, closure.freedom) = patterns.scatter();
     (closure, Some(patterns))
 }
 
 /// Standard deviation of one w, mean of the groups, for readings of 1 µm.
-fn scatter(budget: &Budget<'_>, counts: &[f64], axis: Axis) -> f64 {
-    let groups = budget.groups();
+fn scatter(start: &Start<'_>, axis: Axis) -> f64 {
+    let (groups, counts) = (start.groups(), start.counts());
     let walks =
         groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
-    let variances = walks.map(|(d, pass)| 2.0 / counts[budget.layout().reading(pass, d, 0)]);
+    let variances = walks.map(|(d, pass)| 2.0 / counts[start.layout().reading(pass, d, 0)]);
     variances.sum::<f64>().sqrt() / float(groups.len())
 }
 
-// Whether linear axes, beams and diagonals agree: the redundancy of formula (7).
-//
-// ```text
-//   χ² = min over θ of (y − Mθ)ᵀ V⁻¹ (y − Mθ)       ~ χ²(ν),   ν = number of equations − rank
-//   a line against all others:   stated − vᵀhv, with h solved from (7) without that line
-// ```
-// With the four diagonals and three linear axes ν = 1: X²p_xx + Y²p_yy + Z²p_zz against S. It is
-// the only thing that notices a slope of the wrong sign or unit, or a wrong edge of the box; which
-// of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
+// All w in one least-squares problem, and the patterns in them that are no noise: w = K z, with rows as in `linear`; what
+// anything does to the readings is a column c, and K c the pattern that it makes of w. Patterns are kept as an orthonormal
+// basis in the metric of C⁻¹, C = K diag(1/runs) Kᵀ, so that P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and
+// leaving out one more is one step. C has entries near its diagonal only.
 
-/// Below this probability the equations contradict each other.
-const SMALL_PROBABILITY: f64 = 0.001;
-/// The first four equations are those of the diagonals.
-const DIAGONALS: usize = 4;
-
-/// One line against the diagonals and all other lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineCheck {
-    /// Its direction, of length 1.
-    pub direction: PerAxis<f64>,
-    /// Its slope as measured (a beam: less the shapes between its ends), µm/m.
-    pub stated_um_per_m: f64,
-    /// What everything else says of it; `None` where nothing else does.
-    pub others: Option<Others>,
+/// The least-squares problem of all w.
+pub(super) struct Patterns {
+    layout: Layout,
+    /// K.
+    rows: Vec<Row>,
+    w: DVector<f64>,
+    factor: Banded,
+    /// The straight ramp of each axis.
+    ramps: [DVector<f64>; 3],
+    /// For each reading, the w that it takes part in and how.
+    effects: Vec<Vec<(usize, f64)>>,
+    /// What is left out so far.
+    basis: Vec<DVector<f64>>,
+    /// How much of it is the constants of the axes.
+    constants: usize,
+    /// P w.
+    left: DVector<f64>,
 }
 
-/// What everything else says of a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Others {
-    /// Its slope, µm/m.
-    pub found_um_per_m: f64,
-    /// Standard uncertainty (k = 1) of stated − found, µm/m.
-    pub u_difference_um_per_m: f64,
+/// Straight ramps of w over each axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ramps {
+    /// From the first interval to the last, µm.
+    pub change_um: PerAxis<f64>,
+    /// Their standard deviations for readings of 1 µm.
+    pub u: PerAxis<f64>,
+    /// Probability of ramps at least as large by noise alone.
+    by_noise: f64,
+    /// The same by noise and the stated angles.
+    pub probability: f64,
+    /// How far they are beyond what noise and these angles make, µm.
+    pub(super) beyond_um: PerAxis<f64>,
 }
 
-impl LineCheck {
-    /// Stated − found, µm/m, and the same in standard deviations.
-    pub fn difference(&self) -> Option<(f64, f64)> {
-        let others = self.others?;
-        let difference = self.stated_um_per_m - others.found_um_per_m;
-        Some((difference, difference / others.u_difference_um_per_m))
+impl Ramps {
+    /// Whether they speak of the roll of an axis that carries others, beyond what is stated of it.
+    pub fn is_roll(&self) -> bool {
+        self.is_no_noise() && self.probability < FALSE_DOUBT
     }
 
-    /// `X` for a linear axis, else `beam` and its direction.
-    pub fn name(&self) -> String {
-        let along = |axis: &Axis| (self.direction[*axis].abs() - 1.0).abs() < 1e-9;
-        match Axis::ALL.iter().find(|axis| along(axis)) {
-            Some(axis) => axis.to_string(),
-            None => {
-                let PerAxis { x, y, z } = self.direction;
-                format!("beam ({x:.2}, {y:.2}, {z:.2})")
+    /// Whether they are no noise of the readings, so that they do not belong in its test.
+    pub(super) fn is_no_noise(&self) -> bool {
+        let sizes = self.change_um.iter().map(|(_, um)| um.abs());
+        self.by_noise < FALSE_DOUBT && sizes.fold(0.0, f64::max) > UNRESOLVED_UM
+    }
+}
+
+/// Shares below this are rounding: such a pattern is left out already.
+const NOTHING: f64 = 1e-9;
+
+impl Patterns {
+    /// With nothing left out but the constants of the axes and the disturbed readings of single runs; `None` where C
+    /// is singular.
+    pub(super) fn new(start: &Start<'_>) -> Option<Patterns> {
+        let (layout, last) = (start.layout(), start.volume().steps - 1);
+        // What the first and last intervals close to is spoilt by a missing overrun.
+        let skips_ends = start.both_ways() && start.overrun != Some(true);
+        // Those that share readings stand close to each other: diagonals that travel an axis in − cross its intervals
+        // from the other end.
+        let is_end = |at: &usize| *at == 0 || *at == last;
+        let mut intervals: Vec<usize> =
+            (0..=last).filter(|at| !(skips_ends && is_end(at))).collect();
+        intervals.sort_by_key(|at| (*at.min(&(last - at)), *at));
+        let of_group = |at: usize| start.groups().iter().map(move |group| (at, *group));
+        let places = intervals.into_iter().flat_map(of_group);
+        let places = places.flat_map(|(at, group)| Axis::ALL.map(|axis| (group, axis, at)));
+        let places: Vec<_> = places.collect();
+        let rows = places.iter().map(|(group, axis, at)| start.closure(*group, *axis, *at));
+        let rows: Vec<Row> = rows.collect();
+        let mut effects = vec![Vec::new(); layout.len()];
+        for (index, row) in rows.iter().enumerate() {
+            row.0.iter().for_each(|(place, weight)| effects[*place].push((index, *weight)));
+        }
+        let ends = effects.iter().filter_map(|effect| effect.first().zip(effect.last()));
+        let reach = ends.map(|((first, _), (last, _))| last - first).max().unwrap_or(0);
+        let weighed = effects.iter().zip(start.counts());
+        let products = weighed.flat_map(|(effect, count)| {
+            let row = effect.iter().flat_map(|one| effect.iter().map(move |other| (*one, *other)));
+            row.map(move |((row, a), (column, b))| (row, column, a * b * (1.0 / count)))
+        });
+        let factor = Banded::factor((rows.len(), reach), products)?;
+        let over = |of: &dyn Fn(f64) -> f64| {
+            Axis::ALL.map(|wanted| {
+                let here =
+                    |(_, axis, at): &(_, _, usize)| f64::from(*axis == wanted) * of(float(*at));
+                DVector::from_iterator(rows.len(), places.iter().map(here))
+            })
+        };
+        let middle = float(last) / 2.0;
+        let ramps = over(&|at| (at - middle) / (2.0 * middle).max(1.0));
+        let constants = over(&|_| 1.0);
+        let w = of_column(&rows, &start.measured());
+        let (basis, left) = (Vec::new(), factor.solve(&w));
+        let mut patterns =
+            Patterns { layout, rows, w, factor, ramps, effects, basis, constants: 0, left };
+        patterns.leave_out(constants);
+        patterns.constants = patterns.basis.len();
+        patterns.leave_out_readings(start.outliers.iter().flat_map(|outlier| &outlier.readings));
+        Some(patterns)
+    }
+
+    /// P x.
+    fn projected(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut left = self.factor.solve(x);
+        self.basis.iter().for_each(|base| left.axpy(-base.dot(x), base, 1.0));
+        left
+    }
+
+    /// Leaves out no more than so many patterns.
+    fn keep(&mut self, count: usize) {
+        self.basis.truncate(count);
+        self.left = self.projected(&self.w);
+    }
+
+    fn leave_out(&mut self, patterns: impl IntoIterator<Item = DVector<f64>>) {
+        for pattern in patterns {
+            let mut base = self.projected(&pattern);
+            let weight = pattern.dot(&base);
+            if weight > NOTHING * pattern.norm_squared() {
+                base /= weight.sqrt();
+                self.left.axpy(-base.dot(&self.w), &base, 1.0);
+                self.basis.push(base);
             }
         }
     }
-}
 
-/// The test of what is redundant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Agreement {
-    /// Weighed residuals.
-    pub chi_squared: f64,
-    /// ν, number of redundant equations, at least 1.
-    pub freedom: usize,
-    /// Probability of residuals at least as large; `None` where the noise of the readings is not known.
-    pub probability: Option<f64>,
-    /// The lines, in the order of the job.
-    pub lines: Vec<LineCheck>,
-    /// Whether a line's uncertainty is not known: it counts as exact in this test.
-    pub taken_as_exact: bool,
-    /// By how much each equation may be false if it alone is: the diagonals, then the lines, µm/m.
-    pub(super) false_by_um_per_m: Vec<f64>,
-}
-
-impl Agreement {
-    /// Whether the equations contradict each other.
-    pub fn is_refuted(&self) -> bool {
-        self.probability.is_some_and(|p| p < SMALL_PROBABILITY)
+    /// Leaves the effects of disturbed readings out, whichever runs they are of.
+    fn leave_out_readings<'a>(&mut self, of: impl Iterator<Item = &'a ReadingPlace>) {
+        let place = |of: &ReadingPlace| self.layout.reading(of.pass, of.diagonal, of.node);
+        let patterns: Vec<_> = of.map(|of| self.pattern(place(of))).collect();
+        self.leave_out(patterns);
     }
 
-    /// The contradiction; `None` where there is none.
-    pub(crate) fn contradiction(&self) -> Option<SeparationFinding> {
-        let says = |line: &LineCheck| {
-            let (um_per_m, ratio) = line.difference()?;
-            let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
-            Some(format!("{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"))
+    /// Nothing but the constants, these disturbed readings and what stated angles do is left out from now on.
+    pub(super) fn restart(&mut self, outliers: &[Outlier], causes: &Model) {
+        self.keep(self.constants);
+        self.leave_out_readings(outliers.iter().flat_map(|outlier| &outlier.readings));
+        let pattern = |cause: &usize| of_column(&self.rows, &causes.causes[*cause].column);
+        let angles: Vec<_> = causes.angles.iter().flatten().map(pattern).collect();
+        self.leave_out(angles);
+    }
+
+    /// Q and ν.
+    pub(super) fn scatter(&self) -> (f64, usize) {
+        let freedom = self.w.len().saturating_sub(self.basis.len());
+        (self.w.dot(&self.left).max(0.0), freedom)
+    }
+
+    /// Q of other readings.
+    pub(super) fn square_of(&self, means: &[f64]) -> f64 {
+        let w = of_column(&self.rows, means);
+        w.dot(&self.projected(&w)).max(0.0)
+    }
+
+    /// The ramps beside what is left out, and how likely noise and the stated angles make them: by the order of
+    /// the axes that explains them best. `None` where too little is left to tell them or to judge them by.
+    pub(super) fn ramps(&self, noise: Option<Noise>, causes: Option<&Model>) -> Option<Ramps> {
+        let weighed = self.ramps.each_ref().map(|ramp| self.projected(ramp));
+        let normal = Matrix3::from_fn(|i, j| self.ramps[i].dot(&weighed[j]));
+        let inverse = normal.cholesky()?.inverse();
+        let of = |w: &DVector<f64>| inverse * Vector3::from_fn(|i, _| weighed[i].dot(w));
+        let shares = of(&self.w);
+        let (square, freedom) = self.scatter();
+        let rest = freedom.checked_sub(3).filter(|rest| *rest > 0)?;
+        let drop = (normal * shares).dot(&shares);
+        let (variance, freedom) = match noise {
+            Some(noise) => (noise.sigma_um.max(DIGIT_UM).squared(), noise.freedom),
+            None => ((square - drop).max(0.0) / float(rest), Some(rest)),
         };
-        self.is_refuted().then(|| SeparationFinding::LinesDisagree {
-            lines: joined(self.lines.iter().filter_map(says)),
-            taken_as_exact: self.taken_as_exact,
+        let chance = |angles: &[usize], causes: &[Cause]| {
+            let of_angle = |at: &usize| of(&of_column(&self.rows, &causes[*at].column));
+            let spread = angles.iter().map(of_angle).map(|c| c * c.transpose());
+            let spread = spread.fold(inverse * variance, |sum, one| sum + one);
+            let ratio =
+                spread.cholesky().map_or(f64::INFINITY, |of| of.solve(&shares).dot(&shares));
+            Some((chance_of(ratio, 3, freedom)?, spread))
+        };
+        let by_noise = chance(&[], &[])?;
+        let orders = causes.iter().flat_map(|causes| {
+            causes.angles.iter().filter_map(|angles| chance(angles, &causes.causes))
+        });
+        let (probability, spread) =
+            orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
+        let by_axis = |of: &dyn Fn(usize) -> f64| PerAxis::from_fn(|axis| of(axis as usize));
+        let beyond = |i: usize| shares[i].abs() - NORMAL_ONE_SIDED * spread[(i, i)].sqrt();
+        Some(Ramps {
+            change_um: by_axis(&|i| shares[i]),
+            u: by_axis(&|i| inverse[(i, i)].sqrt()),
+            by_noise: by_noise.0,
+            probability,
+            beyond_um: by_axis(&|i| beyond(i).max(0.0)),
         })
     }
-}
 
-impl Equations {
-    /// Tests the redundancy; `None` where there is none, or no line beside the four diagonals (of a thin box they
-    /// determine less).
-    pub(super) fn agreement(&self, found: &Metric) -> Option<Agreement> {
-        let freedom = self.redundancy();
-        if freedom == 0 || self.all.len() <= Diagonal::ALL.len() {
+    /// Names disturbed readings one by one, the largest first, until none stands out, with the ramps left free; leaves
+    /// these readings out, and nothing else.
+    pub(super) fn name_outliers(&mut self, known_sigma_um: Option<f64>) -> Vec<Outlier> {
+        let before = self.basis.len();
+        self.leave_out(self.ramps.clone());
+        let next = || {
+            let found = self.largest(known_sigma_um)?;
+            self.leave_out_readings(found.readings.iter().take(1));
+            Some(found)
+        };
+        let found: Vec<Outlier> = std::iter::from_fn(next).take(MOST_OUTLIERS).collect();
+        self.keep(before);
+        self.leave_out_readings(found.iter().filter_map(|outlier| outlier.readings.first()));
+        found
+    }
+
+    fn largest(&self, known_sigma_um: Option<f64>) -> Option<Outlier> {
+        let share = |effect: &[(usize, f64)]| -> f64 {
+            effect.iter().map(|(row, part)| part * self.left[*row]).sum()
+        };
+        let shares = self.effects.iter().map(|effect| share(effect).abs()).enumerate();
+        // Of equal ones the first.
+        let (index, _) = shares.rev().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let pattern = self.pattern(index);
+        let weight = pattern.dot(&self.projected(&pattern));
+        if weight <= NOTHING * pattern.norm_squared() {
             return None;
         }
-        let largest = found.largest_um_per_m();
-        let variances = self.test_variances(largest);
-        let chi_squared = self.solved_with(|one| one.direction, &variances)?.chi_squared;
-        let check = |(index, one): (usize, &Equation)| {
-            let rest = self.without(index);
-            let solved = || rest.solved_with(|one| one.direction, &rest.test_variances(largest));
-            let found = rest.holds(&one.direction).then(solved).flatten();
-            let others = found.map(|solution| {
-                let (found_um_per_m, variance) = solution.along(&one.direction);
-                let u_difference_um_per_m = (variances[index] + variance).sqrt();
-                Others { found_um_per_m, u_difference_um_per_m }
-            });
-            LineCheck { direction: one.direction, stated_um_per_m: one.value, others }
-        };
-        let mut lines: Vec<LineCheck> = self.all.iter().enumerate().map(check).collect();
-        let false_by = |line: &LineCheck| {
-            let by = line.difference().zip(line.others).map_or(0.0, |((by, _), others)| {
-                by.abs() - NORMAL_ONE_SIDED * others.u_difference_um_per_m
-            });
-            by.max(0.0)
-        };
-        let false_by_um_per_m = lines.iter().map(false_by).collect();
-        let known = self.all[..DIAGONALS].iter().all(|one| one.known);
-        Some(Agreement {
-            chi_squared,
-            freedom,
-            probability: chance_of(chi_squared, freedom, None).filter(|_| known),
-            lines: lines.split_off(DIAGONALS),
-            taken_as_exact: self.all[DIAGONALS..].iter().any(|line| !line.known),
-            false_by_um_per_m,
-        })
+        let size_um = pattern.dot(&self.left) / weight;
+        let many = self.effects.iter().filter(|effect| !effect.is_empty()).count();
+        let size = (size_um, size_um * size_um * weight);
+        let ratio = stands_out(size, self.scatter(), known_sigma_um, many)?;
+        Some(Outlier { readings: self.twins(index), size_um, ratio, of_mean_um: size_um })
     }
+
+    fn pattern(&self, reading: usize) -> DVector<f64> {
+        let mut pattern = DVector::zeros(self.w.len());
+        self.effects[reading].iter().for_each(|(row, part)| pattern[*row] += part);
+        pattern
+    }
+
+    /// A reading, then all whose effect on w is the same but for its sign.
+    fn twins(&self, index: usize) -> Vec<ReadingPlace> {
+        let shape = |reading: usize| {
+            let effect = &self.effects[reading];
+            let sign = effect.first().map_or(1.0, |(_, part)| part.signum());
+            effect.iter().map(|(row, part)| (*row, sign * part)).collect::<Vec<_>>()
+        };
+        let wanted = shape(index);
+        let others = (0..self.effects.len()).filter(|other| *other != index);
+        let twins = others.filter(|other| shape(*other) == wanted);
+        std::iter::once(index).chain(twins).map(|reading| self.layout.place(reading)).collect()
+    }
+}
+
+/// What a column of the readings makes of w.
+fn of_column(rows: &[Row], column: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(column)))
 }

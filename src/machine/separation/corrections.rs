@@ -2,15 +2,14 @@
 //! effects of angular errors. The raw readings stay as they are.
 
 use super::curves::{at, mean};
-use super::findings::SeparationFinding;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, DiagonalMeasurement, Levers, Material, Reflector};
-use crate::machine::model::measured::has_angles;
+use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
     Axis, Chain, Diagonal, Direction, Pass, PathKind, PerAxis, PerDiagonal, Rotation, Run, Volume,
     displaced,
 };
-use crate::text::{Problem, Problems, joined};
+use crate::text::{Problem, joined};
 
 /// How far a table may fall short of the measured box, mm.
 const END_TOLERANCE_MM: f64 = 0.01;
@@ -82,93 +81,24 @@ pub(super) fn of_rotations(
     (0..=volume.last_node(kind)).map(effect).collect()
 }
 
-/// Measured angular errors and the levers on which they act in a measurement.
-pub struct AngleModel<'a> {
-    /// The angles by position.
-    pub table: &'a ErrorTable,
-    /// The axes from workpiece to tool.
-    pub order: [Axis; 3],
-    /// The levers that are stated.
-    pub levers: Levers,
-    /// Where the levers count from, mm ([`Levers::origin`]).
-    pub origin: PerAxis<f64>,
-    /// What is measured, and with which reflector.
-    pub measurement: &'a DiagonalMeasurement,
-}
-
-impl AngleModel<'_> {
-    /// Rotation of an axis at a machine position less that where its angles are zero (mean of the directions), µrad.
-    /// What was not measured counts as zero; [`AngleEvidence`] names it.
-    fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
-        let all = self.table.series(axis);
-        let directed = all.iter().find(|s| s.direction == Some(direction));
-        let series = directed.or_else(|| all.first());
-        PerAxis::from_fn(|about| {
-            let urad =
-                |s: &Series, place| Some(at(&s.positions, s.angles_urad[about].as_ref()?, place));
-            let zero = self.levers.angles_zero[axis]
-                .map_or(0.0, |zero| mean(all.iter().filter_map(|s| urad(s, zero.mm()))));
-            series.and_then(|s| urad(s, position)).map_or(0.0, |urad| urad - zero)
-        })
-    }
-
-    /// What is known of the angles and their levers.
-    fn evidence(&self) -> AngleEvidence {
-        let volume = &self.measurement.volume;
-        // Known in every direction that the table has.
-        let is_missing = |of: &Rotation| {
-            let all = self.table.series(of.along);
-            all.is_empty() || all.iter().any(|s| s.angles_urad[of.about].is_none())
-        };
-        let missing = Rotation::all().filter(is_missing);
-        let change = |axis: Axis| {
-            let low = volume.start[axis].mm();
-            let at = |place: f64| self.rotation(axis, place, Direction::Plus);
-            let change = at(low + volume.size[axis].mm()).minus(at(low));
-            change.iter().map(|(_, urad)| urad.abs()).fold(0.0, f64::max)
-        };
-        let largest_urad = Axis::ALL.map(change).into_iter().fold(0.0, f64::max);
-        let uncertain = Rotation::all().filter_map(|rotation| {
-            let all = self.table.series(rotation.along).iter();
-            let known = all.filter_map(|s| s.angle_uncertainties_urad[rotation.about].as_ref());
-            Some((rotation, known.flatten().copied().reduce(f64::max).filter(|u| *u > 0.0)?))
-        });
-        AngleEvidence {
-            uncertain: uncertain.collect(),
-            missing: missing.collect(),
-            order: Some(self.order),
-            levers: self.levers,
-            origin: self.origin,
-            largest_urad,
-        }
-    }
-
-    /// What the angular errors add to the readings, and what is known of them.
-    pub fn effects(&self) -> AngleEffects {
-        let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
-        let measurement = self.measurement;
-        let ray = (&measurement.volume, measurement.kind, measurement.target);
-        let of = |diagonal: Diagonal, pass: Pass| {
-            of_rotations(ray, diagonal, |place| {
-                let way = |axis| diagonal.travelled(axis, pass);
-                let turned = |axis| self.rotation(axis, place[axis], way(axis));
-                displaced(self.order, turned, place.minus(self.origin), tool)
-            })
-        };
-        let both = |diagonal| Pass::BOTH.map(|pass| of(diagonal, pass));
-        AngleEffects { by_pass: Some(PerDiagonal::from_fn(both)), evidence: self.evidence() }
-    }
-
-    /// Problems: angles that do not cover the measured box.
-    pub(super) fn check(&self, problems: &mut Problems) {
-        for axis in Axis::ALL {
-            let words = (format!("the angles of {axis} are"), "the angles");
-            let series = self.table.series(axis).iter().filter(|s| has_angles(s));
-            let volume = &self.measurement.volume;
-            let short = series.filter_map(|s| falls_short(self.table, s, (volume, axis), &words));
-            short.for_each(|problem| problems.push(problem));
-        }
-    }
+/// Rotation of an axis at a machine position less that where its angles are zero (mean of the directions), µrad.
+/// What was not measured counts as zero; [`AngleEvidence`] names it.
+fn rotation(
+    (table, levers): (&ErrorTable, Levers),
+    axis: Axis,
+    position: f64,
+    direction: Direction,
+) -> PerAxis<f64> {
+    let all = table.series(axis);
+    let directed = all.iter().find(|s| s.direction == Some(direction));
+    let series = directed.or_else(|| all.first());
+    PerAxis::from_fn(|about| {
+        let urad =
+            |s: &Series, place| Some(at(&s.positions, s.angles_urad[about].as_ref()?, place));
+        let zero = levers.angles_zero[axis]
+            .map_or(0.0, |zero| mean(all.iter().filter_map(|s| urad(s, zero.mm()))));
+        series.and_then(|s| urad(s, position)).map_or(0.0, |urad| urad - zero)
+    })
 }
 
 /// The problem of positions that do not cover the measured box; what is measured there and what to measure, in words.
@@ -212,6 +142,51 @@ impl AngleEffects {
         AngleEffects { by_pass: None, evidence }
     }
 
+    /// Of a table; `order`: the axes from workpiece to tool; `origin`: where the levers count from, mm
+    /// ([`Levers::origin`]).
+    pub fn of_table(
+        table: &ErrorTable,
+        (order, levers, origin): ([Axis; 3], Levers, PerAxis<f64>),
+        measurement: &DiagonalMeasurement,
+    ) -> AngleEffects {
+        let volume = &measurement.volume;
+        let tool = PerAxis::from_fn(|axis| levers.tool.map_or(0.0, |tool| tool[axis].mm()));
+        let ray = (volume, measurement.kind, measurement.target);
+        let of = |diagonal: Diagonal, pass: Pass| {
+            of_rotations(ray, diagonal, |place| {
+                let way = |axis| diagonal.travelled(axis, pass);
+                let turned = |axis| rotation((table, levers), axis, place[axis], way(axis));
+                displaced(order, turned, place.minus(origin), tool)
+            })
+        };
+        let by_pass = PerDiagonal::from_fn(|diagonal| Pass::BOTH.map(|pass| of(diagonal, pass)));
+        // Known in every direction that the table has.
+        let is_missing = |of: &Rotation| {
+            let all = table.series(of.along);
+            all.is_empty() || all.iter().any(|s| s.angles_urad[of.about].is_none())
+        };
+        let uncertain = Rotation::all().filter_map(|rotation| {
+            let all = table.series(rotation.along).iter();
+            let known = all.filter_map(|s| s.angle_uncertainties_urad[rotation.about].as_ref());
+            Some((rotation, known.flatten().copied().reduce(f64::max).filter(|u| *u > 0.0)?))
+        });
+        let change = |axis: Axis| {
+            let low = volume.start[axis].mm();
+            let at = |place: f64| rotation((table, levers), axis, place, Direction::Plus);
+            let change = at(low + volume.size[axis].mm()).minus(at(low));
+            change.iter().map(|(_, urad)| urad.abs()).fold(0.0, f64::max)
+        };
+        let evidence = AngleEvidence {
+            missing: Rotation::all().filter(is_missing).collect(),
+            uncertain: uncertain.collect(),
+            order: Some(order),
+            levers,
+            origin,
+            largest_urad: Axis::ALL.map(change).into_iter().fold(0.0, f64::max),
+        };
+        AngleEffects { by_pass: Some(by_pass), evidence }
+    }
+
     /// Effects on a pass, µm by node; `None` where no angle was measured.
     pub fn of(&self, diagonal: Diagonal, pass: Pass) -> Option<&[f64]> {
         let both = &self.by_pass.as_ref()?[diagonal];
@@ -248,7 +223,7 @@ impl AngleEvidence {
     }
 
     /// What was not measured, what counts of it, and what the levers were taken for.
-    pub(super) fn labels(&self, angle_urad: Option<f64>) -> Vec<SeparationFinding> {
+    pub(super) fn labels(&self, angle_urad: Option<f64>) -> [Option<SeparationFinding>; 3] {
         let missing = SeparationFinding::AnglesMissing {
             names: joined(&self.missing),
             urad: angle_urad,
@@ -257,11 +232,10 @@ impl AngleEvidence {
         let without_u = self.missing.len() + self.uncertain.len() < 9;
         let lines = SeparationFinding::OnLines { lines: self.origin, without_u };
         let tool = SeparationFinding::ToolAssumed { far_um: 0.1 * self.largest_urad };
-        let labels = [
+        [
             (!self.missing.is_empty()).then_some(missing),
             self.has_angles().then_some(lines),
             (self.has_angles() && self.levers.tool.is_none()).then_some(tool),
-        ];
-        labels.into_iter().flatten().collect()
+        ]
     }
 }

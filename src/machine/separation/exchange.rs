@@ -25,14 +25,10 @@
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
 use super::campaign::{Start, corrected};
-use super::closure::{Closure, closure};
-use super::findings::SeparationFinding;
+use super::closure::{Closure, Patterns, closure};
 use super::linear::Model;
-use super::noise::{DIGIT_UM, Outlier, UNRESOLVED_UM, float};
-use super::patterns::Patterns;
-use super::readings::walks;
-use super::uncertainty::Budget;
-use crate::inputs::job::SetUp;
+use super::readings::{DIGIT_UM, Outlier, UNRESOLVED_UM, float, walks};
+use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, Diagonal, PerDiagonal, Run, Squared};
 use crate::text::{Finding, joined};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -49,17 +45,6 @@ const DISTURBED: f64 = 14.0;
 const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
 const BELIEVED: f64 = 0.999;
-
-/// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
-/// likelier, else a note of slips that these readings would hardly show.
-pub(super) fn names(budget: &Budget<'_>, raw_runs: &[Run], found: Recorded<'_>) -> Option<Finding> {
-    let closure = found.0;
-    let trial = Trial::new(budget, raw_runs, found)?;
-    trial.likelier(closure).or_else(|| trial.hardly_shown()).map(Finding::from)
-}
-
-/// What was found under the recorded names, and the least-squares problem of its closure.
-pub(super) type Recorded<'a> = (&'a Closure, &'a Model, Patterns);
 
 /// Under which diagonal's name the readings of a file belong: by the name in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +98,7 @@ type Tried = (Naming, f64);
 
 /// All ways, and what they are compared by.
 struct Trial<'a> {
-    budget: &'a Budget<'a>,
+    start: &'a Start<'a>,
     raw_runs: &'a [Run],
     /// Q of the recorded names.
     recorded: f64,
@@ -129,47 +114,52 @@ struct Trial<'a> {
 }
 
 /// The readings under some names, and which of them are disturbed.
-fn renamed(budget: &Budget<'_>, raw_runs: &[Run], naming: &Naming) -> Start {
+fn renamed<'a>(start: &Start<'a>, raw_runs: &[Run], naming: &Naming) -> Start<'a> {
     let mut runs = raw_runs.to_vec();
     runs.iter_mut().for_each(|run| run.diagonal = naming.0[run.diagonal]);
-    let mut outliers = budget.start.outliers.clone();
+    let mut outliers = start.outliers.clone();
     for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
         place.diagonal = naming.0[place.diagonal];
     }
-    let walks = walks(&corrected(budget.campaign, runs));
-    Start { outliers, walks, ..budget.start.clone() }
+    let walks = walks(&corrected(start.campaign, runs));
+    Start { outliers, walks, ..start.clone() }
 }
 
-impl<'a> Trial<'a> {
-    /// `None` where the closure has no degrees of freedom.
-    fn new(budget: &'a Budget<'a>, raw_runs: &'a [Run], found: Recorded<'_>) -> Option<Self> {
-        let (_, causes, mut patterns) = found;
-        // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
-        let stated_um = budget.campaign.stated.noise_um;
-        let stated_um =
-            stated_um.filter(|um| budget.noise.is_some_and(|found| !found.contradicts(*um)));
-        let known_um = budget.start.noise.map(|noise| noise.sigma_um).or(stated_um);
-        // Ways that share counts and disturbed readings share the least-squares problem. What stated angles do belongs
-        // to no other name.
-        patterns.restart(&budget.start.outliers, causes);
-        let (mut others, freedom) = (Vec::new(), float(patterns.scatter().1));
-        let mut shared = (budget.start.counts(), budget.start.outliers.clone());
-        for naming in Naming::all() {
-            let start = renamed(budget, raw_runs, &naming);
-            let own = (start.counts(), start.outliers.clone());
-            if own != shared {
-                patterns = Patterns::new(&Budget { start: &start, ..*budget })?;
-                patterns.restart(&start.outliers, causes);
-            }
-            others.push((naming, patterns.square_of(&start.means())));
-            shared = own;
+/// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
+/// likelier, else a note of slips that these readings would hardly show. `None`, too, where the closure has no degrees of
+/// freedom. The last is what was found under the recorded names, with the least-squares problem of its closure.
+pub(super) fn names(
+    start: &Start<'_>,
+    raw_runs: &[Run],
+    (closure, causes, mut patterns): (&Closure, &Model, Patterns),
+) -> Option<Finding> {
+    // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
+    let stated_um = start.campaign.stated.noise_um;
+    let stated_um = stated_um.filter(|um| start.noise.is_some_and(|found| !found.contradicts(*um)));
+    let known_um = start.known.map(|noise| noise.sigma_um).or(stated_um);
+    // Ways that share counts and disturbed readings share the least-squares problem. What stated angles do belongs
+    // to no other name.
+    patterns.restart(&start.outliers, causes);
+    let (mut others, freedom) = (Vec::new(), float(patterns.scatter().1));
+    let mut shared = (start.counts(), start.outliers.clone());
+    for naming in Naming::all() {
+        let other = renamed(start, raw_runs, &naming);
+        let own = (other.counts(), other.outliers.clone());
+        if own != shared {
+            patterns = Patterns::new(&other)?;
+            patterns.restart(&other.outliers, causes);
         }
-        let (recorded, intervals) = (others.remove(0).1, budget.volume().steps_f64() - 1.0);
-        let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
-        let believed = ChiSquared::new(freedom).ok()?.inverse_cdf(BELIEVED);
-        Some(Trial { budget, raw_runs, recorded, others, freedom, believed, intervals, sigma_um })
+        others.push((naming, patterns.square_of(&other.measured())));
+        shared = own;
     }
+    let (recorded, intervals) = (others.remove(0).1, start.volume().steps_f64() - 1.0);
+    let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
+    let believed = ChiSquared::new(freedom).ok()?.inverse_cdf(BELIEVED);
+    let trial = Trial { start, raw_runs, recorded, others, freedom, believed, intervals, sigma_um };
+    trial.likelier(closure).or_else(|| trial.hardly_shown()).map(Finding::from)
+}
 
+impl Trial<'_> {
     /// What scatters less than the last digit of a reading is as good as nothing.
     fn ratio(&self, worse: f64, better: f64) -> f64 {
         let digit = self.freedom * DIGIT_UM.squared();
@@ -205,25 +195,18 @@ impl<'a> Trial<'a> {
         if !seen || gain <= self.margin(*best) {
             return None;
         }
-        let after = self.judged(naming)?;
-        let order = self.budget.volume().order;
-        Some(SeparationFinding::OtherNames {
+        let other = renamed(self.start, self.raw_runs, naming);
+        let (after, _) = closure(&other, None);
+        let leaves_doubts = !after.doubts(other.volume(), None).is_empty();
+        let order = other.volume().order;
+        let found = SeparationFinding::OtherNames {
             walked: naming.words(order),
             after_um: after.sigma_um()?,
             before_um: before.sigma_um()?,
             odds: (gain / 2.0).min(999.0),
             is_order: naming.as_order(order).is_some(),
-        })
-    }
-
-    /// The closure under other names; `None` where it leaves a doubt.
-    fn judged(&self, naming: &Naming) -> Option<Closure> {
-        let budget = self.budget;
-        let start = renamed(budget, self.raw_runs, naming);
-        let (closure, _) = closure(&Budget { start: &start, ..*budget }, None);
-        let noise = start.noise.or_else(|| closure.noise());
-        let doubts = closure.doubts(noise, budget.volume(), SetUp::Solve);
-        doubts.is_empty().then_some(closure)
+        };
+        (!leaves_doubts).then_some(found)
     }
 
     /// Probability that these names, had they been right, would have been found: the gain is
@@ -246,7 +229,7 @@ impl<'a> Trial<'a> {
     /// The exchanges of two names and the orders that would be found in less than 95 %; no order is
     /// shown surely by a single run, whose closure is its own yardstick.
     fn hardly_shown(&self) -> Option<SeparationFinding> {
-        let recorded = self.budget.volume().order;
+        let recorded = self.start.volume().order;
         let is_weak = |slip: &&Tried| self.power(slip) < SURE;
         let exchanges = self.others.iter().filter(|(naming, _)| naming.moved().len() == 2);
         let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();

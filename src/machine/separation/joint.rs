@@ -15,10 +15,10 @@
 mod outlook;
 
 pub(crate) use self::outlook::{Found, Measured, Outlook};
+use super::Separation;
 use super::curves::{Curve, range};
 use super::linear::{CurveRows, Row};
-use super::noise::{Noise, student};
-use super::separate::Separation;
+use super::readings::{Noise, student};
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::{

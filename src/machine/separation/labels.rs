@@ -1,30 +1,27 @@
 //! What a result rests on: what is assumed of the readings, and what their uncertainty holds.
 
-use super::campaign::{Campaign, LinearReversal, LinearReversals};
+use super::campaign::{Estimate, LinearReversals, Start};
 use super::curves::{ends, noise_gain};
-use super::findings::SeparationFinding as Found;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
-use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
+use crate::machine::findings::SeparationFinding as Found;
 use crate::quantity::{Axis, Figure, PerAxis, Plane, Squared, rounded};
 use crate::text::{Finding, joined};
 
 /// Of step runs.
-pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> impl Iterator<Item = Found> {
-    let campaign = budget.campaign;
+pub(super) fn of_steps(start: &Start<'_>, turn: Option<&Turn>) -> impl Iterator<Item = Found> {
+    let campaign = start.campaign;
     let measurement = campaign.measurement;
-    let (backs, tilt_arcsec) = (budget.both_ways(), campaign.stated.tilt_arcsec);
+    let (backs, tilt_arcsec) = (start.both_ways(), campaign.stated.tilt_arcsec);
     let is_perfect = measurement.setup == SetUp::AssumePerfect;
     let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
-    let way = match budget.overrun.filter(|_| backs) {
+    let way = match start.overrun {
         _ if !backs => Found::ForwardOnly,
         Some(true) => Found::Overran { from },
         Some(false) => Found::Turned { from },
         None => Found::OverrunOpen,
     };
-    let short = Axis::ALL.map(|axis| (axis, noise_gain(&measurement.volume, axis)));
-    let short = short.into_iter().filter(|(_, gain)| *gain > 3.0);
     let labels = [
         is_perfect.then_some(Found::SetUpAssumed { tilt_arcsec }),
         Some(Found::FrameOf { frame: measurement.frame }),
@@ -33,92 +30,82 @@ pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> impl Iterato
         turn.map(|turn| Found::FromTurn { change_um: turn.change_um.clone() }),
         backs.then_some(Found::Directions),
     ];
-    let labels = labels.into_iter().flatten();
-    let labels = labels.chain(short.map(|(axis, gain)| Found::ShortEdge { axis, gain }));
-    labels.chain(common(budget))
+    let short = Axis::ALL.map(|axis| (axis, noise_gain(&measurement.volume, axis)));
+    let short = short.map(|(axis, gain)| (gain > 3.0).then_some(Found::ShortEdge { axis, gain }));
+    labels.into_iter().chain(short).flatten().chain(common(start))
 }
 
 /// Of straight runs.
-pub(super) fn of_straight(budget: &Budget<'_>) -> Vec<Finding> {
-    let campaign = budget.campaign;
-    let runs = match (budget.both_ways(), campaign.reverse_zero_known) {
+pub(super) fn of_straight(start: &Start<'_>) -> Vec<Finding> {
+    let campaign = start.campaign;
+    let runs = match (start.both_ways(), campaign.reverse_zero_known) {
         (false, _) => Found::StraightForwardOnly,
         (true, true) => Found::StraightOneZero,
         (true, false) => Found::StraightOwnZero,
     };
     let has_ends = campaign.lines.iter().any(|line| line.ends.is_some());
     let labels = [Some(runs), has_ends.then_some(Found::WholeBeams)];
-    labels.into_iter().flatten().chain(common(budget)).map(Finding::from).collect()
+    labels.into_iter().flatten().chain(common(start)).map(Finding::from).collect()
 }
 
-/// What is assumed of readings of any kind, and what their uncertainty holds.
-fn common(budget: &Budget<'_>) -> impl Iterator<Item = Found> {
-    let campaign = budget.campaign;
-    let has_air = campaign.measurement.material.is_none_or(|material| material.air_corrected);
-    let noise = budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs { noise });
-    let labels = [(!has_air).then_some(Found::NoAir), Some(noise)].into_iter().flatten();
-    let angles = campaign.angles.evidence.labels(campaign.stated.angle_urad);
-    labels.chain(stated(budget)).chain(angles).chain(lines(campaign))
-}
-
-/// What of `[measurement.uncertainty]` counts, and for which axes.
-fn stated(budget: &Budget<'_>) -> [Found; 6] {
-    let stated = budget.campaign.stated;
-    let material = |axis: Axis| budget.start.material.and_then(|material| material.axes[axis]);
+/// What is assumed of readings of any kind and of lines beside them, and what their uncertainty holds, for which axes.
+fn common(start: &Start<'_>) -> impl Iterator<Item = Found> {
+    let (campaign, volume) = (start.campaign, start.volume());
+    let (measurement, stated) = (campaign.measurement, campaign.stated);
+    let has_air = measurement.material.is_none_or(|material| material.air_corrected);
+    let material = |axis: Axis| start.material.and_then(|material| material.axes[axis]);
     let by_axis = |key, stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
         let known = PerAxis::from_fn(known);
         Found::OfMaterial { key, is_stated: stated.is_some(), known, needs }
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
-    // u(φ) = R/(2 V_j V_k)·u(e_end)
-    let each = |plane: Plane| {
-        let (volume, (a, b)) = (budget.volume(), plane.axes());
-        volume.diagonal_mm().squared() / (2.0 * volume.size[a].mm() * volume.size[b].mm())
-    };
     let warm = "alpha_per_k and temperature_c, or a column of temperatures";
     let is_known = |axis| material(axis).is_some();
-    [
-        Found::LaserCounts { ppm: stated.of_laser_ppm(), is_stated: stated.laser_ppm.is_some() },
-        by_axis("temperature_k", stated.temperature_k, &is_known, "alpha_per_k"),
-        by_axis("alpha_per_k", stated.alpha_per_k, &is_warm, warm),
-        Found::SetUpCounts {
-            ppm: stated.setup_ppm,
-            each: by_plane(|plane| format!("{} {:.2}", plane.key(), each(plane))),
-        },
-        Found::BeamCounts { stated },
-        Found::SimulatedHold,
-    ]
+    // u(φ) = R/(2 V_j V_k)·u(e_end)
+    let each = |plane: Plane| {
+        let (a, b) = plane.axes();
+        volume.diagonal_mm().squared() / (2.0 * volume.size[a].mm() * volume.size[b].mm())
+    };
+    let each = by_plane(|plane| format!("{} {:.2}", plane.key(), each(plane)));
+    let states_u =
+        |wanted: bool| campaign.lines.iter().any(|line| line.u_um_per_m.is_some() == wanted);
+    let linear = measurement.linear.iter();
+    let linear = linear.filter(|linear| matches!(linear.slope, LinearSlope::Stated(_)));
+    let spans = joined(linear.map(|linear| {
+        let low = volume.start[linear.axis];
+        let high = low + volume.size[linear.axis];
+        format!("{} {} to {} mm", linear.axis, low.shown(), high.shown())
+    }));
+    let of_readings = [
+        (!has_air).then_some(Found::NoAir),
+        Some(start.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs { noise })),
+        Some(Found::LaserCounts {
+            ppm: stated.of_laser_ppm(),
+            is_stated: stated.laser_ppm.is_some(),
+        }),
+        Some(by_axis("temperature_k", stated.temperature_k, &is_known, "alpha_per_k")),
+        Some(by_axis("alpha_per_k", stated.alpha_per_k, &is_warm, warm)),
+        Some(Found::SetUpCounts { ppm: stated.setup_ppm, each }),
+        Some(Found::BeamCounts { stated }),
+        Some(Found::SimulatedHold),
+    ];
+    let of_lines = [
+        states_u(false).then_some(Found::LineNotKnown),
+        states_u(true).then_some(Found::LinesHoldAll),
+        (!spans.is_empty()).then_some(Found::SlopesOverBox { spans }),
+    ];
+    let of_angles = campaign.angles.evidence.labels(stated.angle_urad);
+    of_readings.into_iter().chain(of_angles).chain(of_lines).flatten()
 }
 
 fn by_plane(words: impl Fn(Plane) -> String) -> String {
     joined(Plane::ALL.map(words))
 }
 
-/// What is assumed of linear axes and beams.
-fn lines(campaign: &Campaign<'_>) -> impl Iterator<Item = Found> {
-    let states_u =
-        |wanted: bool| campaign.lines.iter().any(|line| line.u_um_per_m.is_some() == wanted);
-    let volume = &campaign.measurement.volume;
-    let linear = campaign.measurement.linear.iter();
-    let linear = linear.filter(|linear| matches!(linear.slope, LinearSlope::Stated(_)));
-    let spans = linear.map(|linear| {
-        let low = volume.start[linear.axis];
-        let high = low + volume.size[linear.axis];
-        format!("{} {} to {} mm", linear.axis, low.shown(), high.shown())
-    });
-    let spans = joined(spans);
-    let labels = [
-        states_u(false).then_some(Found::LineNotKnown),
-        states_u(true).then_some(Found::LinesHoldAll),
-        (!spans.is_empty()).then_some(Found::SlopesOverBox { spans }),
-    ];
-    labels.into_iter().flatten()
-}
-
 /// Where the reversals of single axes come from and what they leave open; `None` without any.
 pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Found> {
-    let known = |(axis, reversal): (Axis, &Option<LinearReversal>)| {
-        let (low, high) = ends(reversal.as_ref()?.um.iter().copied())?;
+    let known = |(axis, reversal): (Axis, &Option<Vec<Estimate>>)| {
+        let (low, high) = ends(reversal.as_ref()?.iter().map(|b| b.um))?;
         Some(format!("{axis} {:+.3} to {:+.3}", Figure(low), Figure(high)))
     };
     let found = joined(reversals.iter().filter_map(known));
@@ -133,7 +120,7 @@ impl Solved<'_> {
         };
         let leak = |plane: Plane| 10.0 * self.metric.leak.of(plane);
         let totals = self.metric.squareness_um_per_m();
-        let as_measured = self.budget.campaign.measurement.frame == Frame::AsMeasured;
+        let as_measured = self.start.campaign.measurement.frame == Frame::AsMeasured;
         let is_complete = self.metric.is_complete();
         let solves = self.setup() == SetUp::Solve;
         let labels = [
@@ -159,7 +146,7 @@ impl Solved<'_> {
         };
         let axes = Axis::ALL.into_iter().filter(|axis| known[*axis].is_none());
         let axes: Vec<Axis> = axes.collect();
-        if self.budget.both_ways() && !from_turn && !axes.is_empty() {
+        if self.start.both_ways() && !from_turn && !axes.is_empty() {
             let of = if axes.len() == 3 { "each axis".to_string() } else { joined(axes) };
             open.push(Found::OpenReversal { of }.into());
         }

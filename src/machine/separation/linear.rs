@@ -12,10 +12,12 @@
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use super::corrections::AngleEvidence;
-use super::noise::ReadingPlace;
+use super::readings::{MANY, Noise, ReadingPlace, coverage_factor};
 use crate::quantity::{Diagonal, Pass, Rotation, Squared};
+use nalgebra::DVector;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -84,14 +86,14 @@ impl Row {
     }
 
     /// Adds another figure so many times.
-    pub(super) fn add(&mut self, times: f64, other: impl AsRef<[(usize, f64)]>) {
+    pub(super) fn add(&mut self, times: f64, other: impl Borrow<Row>) {
         if times != 0.0 {
-            self.0.extend(other.as_ref().iter().map(|(place, weight)| (*place, times * weight)));
+            self.0.extend(other.borrow().0.iter().map(|(place, weight)| (*place, times * weight)));
         }
     }
 
     /// The sum of figures, each so many times.
-    pub(super) fn sum<R: AsRef<[(usize, f64)]>>(of: impl IntoIterator<Item = (f64, R)>) -> Row {
+    pub(super) fn sum<R: Borrow<Row>>(of: impl IntoIterator<Item = (f64, R)>) -> Row {
         let mut sum = Row::default();
         of.into_iter().for_each(|(times, row)| sum.add(times, row));
         sum
@@ -108,23 +110,7 @@ impl Row {
 
     /// The figure of these entries.
     pub(super) fn dot(&self, z: &[f64]) -> f64 {
-        let [figure] = self.dots(z.as_chunks().0);
-        figure
-    }
-
-    /// Of several lists of entries side by side, each with the bits that it has by itself.
-    pub(super) fn dots<const N: usize>(&self, z: &[[f64; N]]) -> [f64; N] {
-        let mut sums = [0.0; N];
-        for (place, weight) in &self.0 {
-            sums.iter_mut().zip(&z[*place]).for_each(|(sum, z)| *sum += weight * z);
-        }
-        sums
-    }
-}
-
-impl AsRef<[(usize, f64)]> for Row {
-    fn as_ref(&self) -> &[(usize, f64)] {
-        &self.0
+        self.0.iter().fold(0.0, |sum, (place, weight)| sum + weight * z[*place])
     }
 }
 
@@ -141,11 +127,6 @@ pub(super) struct Cause {
 }
 
 impl Cause {
-    /// Whether it acts alike in all set-ups.
-    fn is_common(&self) -> bool {
-        matches!(self.part, Part::Laser | Part::Beam)
-    }
-
     fn size(&self) -> f64 {
         self.variance + self.of_beam
     }
@@ -155,6 +136,8 @@ impl Cause {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Model {
     pub(super) layout: Layout,
+    /// Noise of a single reading; `None` = not known.
+    pub(super) noise: Option<Noise>,
     /// Variance of each entry by itself: of a reading by its noise.
     pub(super) own: Vec<f64>,
     /// The part of a set-up in that of each line.
@@ -190,6 +173,22 @@ pub enum Part {
     Stated,
 }
 
+/// How well a figure is known, in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Standard uncertainty (k = 1).
+    pub u: f64,
+    /// Its effective degrees of freedom; `None` = unlimited.
+    pub freedom: Option<f64>,
+}
+
+impl Uncertainty {
+    /// U: with the coverage factor of its degrees of freedom.
+    pub fn expanded(&self) -> f64 {
+        self.u * coverage_factor(self.freedom)
+    }
+}
+
 /// What each entry of z, then a unit of each cause makes of a figure.
 pub(super) struct Weights(Vec<f64>, Vec<f64>);
 
@@ -203,6 +202,23 @@ pub(super) struct Variance {
 }
 
 impl Model {
+    /// With the noise of readings that are means of so many runs.
+    pub(super) fn with_noise(mut self, noise: Option<Noise>, runs: &[f64]) -> Model {
+        let square = noise.map_or(0.0, |noise| noise.sigma_um.squared());
+        self.own.iter_mut().zip(runs).for_each(|(own, runs)| *own = square / runs);
+        Model { noise, ..self }
+    }
+
+    /// A variance as standard uncertainty with its degrees of freedom; `None` = the noise is not known.
+    ///
+    /// source Welch and Satterthwaite, GUM G.4.1
+    pub(super) fn uncertainty(&self, Variance { noise, all }: Variance) -> Option<Uncertainty> {
+        let freedom = self.noise?.freedom_f64();
+        let share = if all > 0.0 { noise / all } else { 0.0 };
+        let freedom = freedom.map(|freedom| freedom / share.squared());
+        Some(Uncertainty { u: all.sqrt(), freedom: freedom.filter(|freedom| *freedom < MANY) })
+    }
+
     /// One more entry of z, with this standard uncertainty: its place.
     pub(super) fn add(&mut self, u: f64) -> usize {
         self.own.push(u.squared());
@@ -260,8 +276,10 @@ impl Model {
     /// cov of two figures without unmeasured angles, and the part of the causes common to all set-ups in it.
     pub(super) fn covariance(&self, one: &Weights, other: &Weights) -> (f64, f64) {
         let own: f64 = self.by_entries(&one.0, &other.0).iter().sum();
-        let common = self.by_causes(&one.1, &other.1, Cause::is_common);
-        (own + common + self.by_causes(&one.1, &other.1, |cause| !cause.is_common()), common)
+        let [all, common]: [fn(&Cause) -> bool; 2] =
+            [|_| true, |cause| matches!(cause.part, Part::Laser | Part::Beam)];
+        let [all, common] = [all, common].map(|of| self.by_causes(&one.1, &other.1, of));
+        (own + all, common)
     }
 
     /// u² of a figure.
@@ -323,6 +341,8 @@ pub(super) struct CurveRows {
     pub(super) steps: Arc<[Row]>,
     /// Straight line from 0 at the low end to this at the high one.
     pub(super) line: Row,
+    /// The line at the high end as measured, µm: it need not be linear in z.
+    pub(super) line_um: f64,
 }
 
 impl CurveRows {
@@ -331,33 +351,25 @@ impl CurveRows {
         let sum = |own: &Row, other: &Row| Row::sum([(1.0, own), (times, other)]).merged();
         let steps = self.steps.iter().zip(other.steps.iter());
         let steps = steps.map(|(own, other)| sum(own, other)).collect();
-        CurveRows { start: self.start.clone(), steps, line: sum(&self.line, &other.line) }
+        let (line, line_um) = (sum(&self.line, &other.line), self.line_um + times * other.line_um);
+        CurveRows { start: self.start.clone(), steps, line, line_um }
     }
 
     /// The same with each entry of a row once.
     pub(super) fn merged(&self) -> CurveRows {
         let steps = self.steps.iter().map(Row::merged).collect();
-        CurveRows { start: self.start.merged(), steps, line: self.line.merged() }
+        let (start, line) = (self.start.merged(), self.line.merged());
+        CurveRows { start, steps, line, line_um: self.line_um }
     }
 
-    /// The values for these entries; `line_um`: the line at the high end, which need not be linear in z.
+    /// The values for these entries; `line_um`: the line at the high end.
     pub(super) fn values(&self, z: &[f64], line_um: f64) -> Vec<f64> {
-        self.values_of(z.as_chunks().0, [line_um]).into_flattened()
-    }
-
-    /// Of several lists of entries side by side.
-    pub(super) fn values_of<const N: usize>(
-        &self,
-        z: &[[f64; N]],
-        line_um: [f64; N],
-    ) -> Vec<[f64; N]> {
         let last = self.steps.len().max(1) as f64;
-        let mut sums = self.start.dots(z);
-        let mut values = vec![sums];
+        let mut sum = self.start.dot(z);
+        let mut values = vec![sum];
         for (index, step) in self.steps.iter().enumerate() {
-            sums.iter_mut().zip(step.dots(z)).for_each(|(sum, own)| *sum += own);
-            let of = |k: usize| sums[k] + line_um[k] * (index + 1) as f64 / last;
-            values.push(std::array::from_fn(of));
+            sum += step.dot(z);
+            values.push(sum + line_um * (index + 1) as f64 / last);
         }
         values
     }
@@ -395,5 +407,79 @@ impl CurveRows {
                 model.combined(by_entries, &effects)
             })
             .collect()
+    }
+}
+
+/// The Cholesky factor of a symmetric, positive definite matrix with entries near its diagonal only.
+pub(super) struct Banded {
+    /// How far below the diagonal entries lie.
+    reach: usize,
+    /// Its lower half, row after row, each from so far before the diagonal on.
+    lower: Vec<f64>,
+}
+
+impl Banded {
+    /// Of the sum of entries by row and column, of which the upper half is not needed; `None` where the matrix is not
+    /// positive definite.
+    pub(super) fn factor(
+        (size, reach): (usize, usize),
+        entries: impl Iterator<Item = (usize, usize, f64)>,
+    ) -> Option<Banded> {
+        let mut found = Banded { reach, lower: vec![0.0; (reach + 1) * size] };
+        for (row, column, value) in entries.filter(|(row, column, _)| column <= row) {
+            let at = found.at(row, column);
+            found.lower[at] += value;
+        }
+        for row in 0..size {
+            let first = row.saturating_sub(reach);
+            for column in first..=row {
+                let of = |row| &found.lower[found.at(row, first)..found.at(row, column)];
+                let known = of(row).iter().zip(of(column)).map(|(a, b)| a * b);
+                let at = found.at(row, column);
+                let rest = found.lower[at] - known.sum::<f64>();
+                found.lower[at] = match column < row {
+                    true => rest / found.lower[found.at(column, column)],
+                    false => Some(rest.sqrt()).filter(|_| rest > 0.0)?,
+                };
+            }
+        }
+        Some(found)
+    }
+
+    /// Where an entry stands.
+    fn at(&self, row: usize, column: usize) -> usize {
+        row * self.reach + self.reach + column
+    }
+
+    /// The solution of matrix · x = `right`.
+    pub(super) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let (mut x, lower) = (right.clone(), &self.lower);
+        for row in 0..x.len() {
+            let (first, own) = (row.saturating_sub(self.reach), self.at(row, row));
+            let before = lower[self.at(row, first)..own].iter().zip(&x.as_slice()[first..]);
+            let known: f64 = before.map(|(by, x)| by * x).sum();
+            x[row] = (x[row] - known) / lower[own];
+        }
+        for row in (0..x.len()).rev() {
+            let (own, behind) = (self.at(row, row), x.as_slice()[row + 1..].iter());
+            let column = lower[own..].iter().step_by(self.reach.max(1)).skip(1);
+            let known: f64 = column.zip(behind.take(self.reach)).map(|(by, x)| by * x).sum();
+            x[row] = (x[row] - known) / lower[own];
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_system_is_solved() {
+        // [4 2 0; 2 5 1; 0 1 3] · [1 2 3] = [8 15 11]
+        let entries = [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)];
+        let factor = Banded::factor((3, 1), entries.into_iter()).expect("positive definite");
+        let x = factor.solve(&DVector::from_vec(vec![8.0, 15.0, 11.0]));
+        assert!((x - DVector::from_vec(vec![1.0, 2.0, 3.0])).norm() < 1e-12);
     }
 }

@@ -24,12 +24,11 @@
 //! diagonal reads α²/2 short.
 
 use super::campaign::MeasuredLine;
-use super::findings::SeparationFinding;
-use super::linear::{Model, Row, Weights};
-use super::noise::Noise;
-use super::uncertainty::Uncertainty;
-use crate::quantity::{Axis, ErrorTerm, PerAxis, PerDiagonal, PerPlane, Plane, Squared, Volume};
-use crate::text::Finding;
+use super::linear::{Model, Row, Uncertainty, Weights};
+use super::readings::{NORMAL_ONE_SIDED, chance_of};
+use crate::machine::findings::SeparationFinding;
+use crate::quantity::{Axis, ErrorTerm, Figure, PerAxis, PerPlane, Plane, Squared};
+use crate::text::{Finding, joined};
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector6};
 
 /// Of the largest singular value: below this a direction of the unknowns is not measured.
@@ -69,13 +68,8 @@ pub struct Estimated {
 }
 
 impl Estimated {
-    fn new(
-        (row, um_per_m, is_known): (Row, Option<f64>, bool),
-        model: &Model,
-        noise: Option<Noise>,
-    ) -> Estimated {
-        let noise = noise.filter(|_| is_known);
-        let u = noise.map(|noise| model.variance(&row).uncertainty(noise));
+    fn new(row: Row, um_per_m: Option<f64>, is_known: bool, model: &Model) -> Estimated {
+        let u = is_known.then(|| model.uncertainty(model.variance(&row))).flatten();
         Estimated { row, um_per_m, is_known, u }
     }
 
@@ -107,26 +101,15 @@ impl Metric {
     }
 
     /// Another φ, which is known.
-    pub(super) fn set_squareness(
-        &mut self,
-        plane: Plane,
-        (row, um_per_m): (Row, f64),
-        (model, noise): (&Model, Option<Noise>),
-    ) {
-        let found = Estimated::new((row, Some(um_per_m), true), model, noise);
-        self.unknowns[3 + plane as usize] = found;
+    pub(super) fn set_squareness(&mut self, plane: Plane, row: Row, z: &[f64], model: &Model) {
+        let um_per_m = Some(row.dot(z));
+        self.unknowns[3 + plane as usize] = Estimated::new(row, um_per_m, true, model);
     }
 
     /// The one that the slope of a term is a part of.
     pub(super) fn of(&self, term: ErrorTerm) -> &Estimated {
         let plane = Plane::ALL.into_iter().find(|plane| plane.terms().contains(&term));
         plane.map_or(self.scale(term.along), |plane| self.squareness(plane))
-    }
-
-    /// The largest of them, µm/m.
-    pub(super) fn largest_um_per_m(&self) -> f64 {
-        let all = self.unknowns.iter().filter_map(|one| one.um_per_m);
-        all.fold(0.0, |largest: f64, slope| largest.max(slope.abs()))
     }
 
     /// Whether everything is determined.
@@ -146,21 +129,32 @@ impl Metric {
     }
 }
 
+/// The first four equations are those of the diagonals.
+const DIAGONALS: usize = 4;
+
 /// One equation of (7): vᵀ h v = value.
 #[derive(Clone, Debug)]
 pub(super) struct Equation {
     /// v, without unit.
     pub(super) direction: PerAxis<f64>,
     /// v where nothing is tilted.
-    nominal: PerAxis<f64>,
+    pub(super) nominal: PerAxis<f64>,
     /// The value, µm/m.
     pub(super) value: f64,
     /// How it hangs on what was measured.
-    row: Row,
-    /// Its own variance, (µm/m)².
-    own: f64,
-    /// Whether that is known; else it is a weight.
+    pub(super) row: Row,
+    /// Whether its own variance is known; else it is a weight.
     pub(super) known: bool,
+    /// That variance, (µm/m)².
+    pub(super) own: f64,
+}
+
+impl Equation {
+    /// A linear axis or beam by a row over what was measured.
+    pub(super) fn of_line(line: &MeasuredLine, row: Row, z: &[f64]) -> Equation {
+        let (direction, known) = (line.direction, line.u_um_per_m.is_some());
+        Equation { direction, nominal: direction, value: row.dot(z), row, known, own: 0.0 }
+    }
 }
 
 /// vᵀ h v as a row of the six unknowns.
@@ -168,10 +162,15 @@ fn products(v: &PerAxis<f64>) -> Vector6<f64> {
     Vector6::new(v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z)
 }
 
+/// M: the equations by the six unknowns.
+fn design(all: &[Equation], along: fn(&Equation) -> PerAxis<f64>) -> DMatrix<f64> {
+    let rows: Vec<_> = all.iter().map(|one| products(&along(one)).transpose()).collect();
+    DMatrix::from_fn(all.len(), 6, |i, j| rows[i][j])
+}
+
 /// The equations of (7), the four diagonals first, then lines.
-#[derive(Clone, Debug)]
 pub(super) struct Equations {
-    pub(super) all: Vec<Equation>,
+    all: Vec<Equation>,
     /// Their covariances by what they share, (µm/m)².
     shared: DMatrix<f64>,
     /// Orthonormal columns, each a combination of the unknowns that nominal directions determine.
@@ -183,60 +182,37 @@ pub(super) struct Equations {
 }
 
 /// What the equations give.
-pub(super) struct Solution {
+struct Solution {
     unknowns: DVector<f64>,
     /// Covariance of the unknowns.
     spread: DMatrix<f64>,
     /// Residuals y − M θ̂, weighed with V⁻¹.
-    pub(super) chi_squared: f64,
+    chi_squared: f64,
     /// dθ̂/dy = B (BᵀMᵀV⁻¹MB)⁻¹ BᵀMᵀV⁻¹.
     gain: DMatrix<f64>,
 }
 
-impl Solution {
-    /// Value along a direction, and its variance.
-    pub(super) fn along(&self, direction: &PerAxis<f64>) -> (f64, f64) {
-        let row = products(direction);
-        (row.dot(&self.unknowns), row.dot(&(&self.spread * row)))
-    }
-}
-
 impl Equations {
-    /// `diagonals`: directions and values; `rows`: of the diagonals, then of the lines, µm/m. Completes the
-    /// model by what the equations neglect, and the rows with it.
-    pub(super) fn new(
-        volume: &Volume,
-        diagonals: &PerDiagonal<(PerAxis<f64>, f64)>,
-        lines: &[MeasuredLine],
-        rows: Vec<Row>,
-        (model, noise_is_known): (&mut Model, bool),
-    ) -> Equations {
-        let diagonals = diagonals.iter();
-        let given = diagonals.map(|(d, (v, um))| (*v, volume.laser(d), *um, noise_is_known));
-        let lines = lines.iter();
-        let beside =
-            lines.map(|l| (l.direction, l.direction, l.slope_um_per_m, l.u_um_per_m.is_some()));
-        let mut all = Vec::new();
+    /// Completes the model by what the equations neglect, and their rows with it.
+    pub(super) fn new(mut all: Vec<Equation>, model: &mut Model) -> Equations {
         let mut of_diagonals = 0.0;
-        for ((place, mut row), given) in rows.into_iter().enumerate().zip(given.chain(beside)) {
-            let (direction, nominal, value, known) = given;
-            let weights = model.weights(&row);
+        for (place, one) in all.iter_mut().enumerate() {
+            let weights = model.weights(&one.row);
             let (variance, common) = model.covariance(&weights, &weights);
             // What is not known is weighed: a diagonal by 1 µm/m, a line like a diagonal.
-            let least = match (place < 4, known) {
+            let least = match (place < DIAGONALS, one.known) {
                 (true, false) => variance - common + WEIGHT_UM_PER_M.squared(),
                 (false, false) => of_diagonals / 4.0,
                 _ => NEGLECTED_UM_PER_M.squared(),
             };
-            let own = (variance - common).max(least);
+            one.own = (variance - common).max(least);
             let entry = model.layout.neglected(place);
-            model.own[entry] = own - (variance - common);
-            row.add(1.0, Row::of(entry));
-            of_diagonals += if place < 4 { own } else { 0.0 };
-            all.push(Equation { direction, nominal, value, row, own, known });
+            model.own[entry] = one.own - (variance - common);
+            one.row.add(1.0, Row::of(entry));
+            of_diagonals += if place < DIAGONALS { one.own } else { 0.0 };
         }
         // A line that is only weighed shares nothing: it would carry its weight where it has no part.
-        let shares = |k: usize| k < 4 || all[k].known;
+        let shares = |k: usize| k < DIAGONALS || all[k].known;
         let weights: Vec<Weights> = all.iter().map(|one| model.weights(&one.row)).collect();
         let covariance = |i: usize, j: usize| {
             let own = if i == j { all[i].own } else { 0.0 };
@@ -258,48 +234,17 @@ impl Equations {
         Equations { all, shared, determined, open }
     }
 
-    /// All but one.
-    pub(super) fn without(&self, index: usize) -> Equations {
-        let mut rest = self.all.clone();
-        rest.remove(index);
-        Equations::of(rest, self.shared.clone().remove_row(index).remove_column(index))
-    }
-
-    /// Number of redundant equations.
-    pub(super) fn redundancy(&self) -> usize {
-        self.all.len().saturating_sub(self.determined.ncols())
-    }
-
-    /// Whether the slope along a direction is determined.
-    pub(super) fn holds(&self, direction: &PerAxis<f64>) -> bool {
-        let row = products(direction);
-        self.open.tr_mul(&row).norm() < SHARE_TOLERANCE * row.norm()
-    }
-
-    /// Variances for a test: an equation of unknown uncertainty counts as exact, but none as more
-    /// certain than what (7) neglects at slopes of this size.
-    pub(super) fn test_variances(&self, largest_slope_um_per_m: f64) -> DVector<f64> {
-        let products = 3.0 * largest_slope_um_per_m.squared() * UM_PER_M;
-        let neglected = products.max(NEGLECTED_UM_PER_M).squared();
-        let own = |one: &Equation| if one.known { one.own.max(neglected) } else { neglected };
-        DVector::from_iterator(self.all.len(), self.all.iter().map(own))
-    }
-
-    /// With the variances that the equations have, along their true or nominal directions.
-    fn solved(&self, along: fn(&Equation) -> PerAxis<f64>) -> Option<Solution> {
-        let own = self.all.iter().map(|one| one.own);
-        self.solved_with(along, &DVector::from_iterator(self.all.len(), own))
-    }
-
-    /// With other variances; `None` where the covariance is not positive definite.
-    pub(super) fn solved_with(
+    /// With these variances of their own; `None` where the covariance is not positive definite.
+    fn solved(
         &self,
         along: fn(&Equation) -> PerAxis<f64>,
-        own: &DVector<f64>,
+        own: impl Fn(&Equation) -> f64,
     ) -> Option<Solution> {
-        let design = design(&self.all, along);
-        let values = DVector::from_iterator(own.len(), self.all.iter().map(|one| one.value));
-        let covariance = (&self.shared + DMatrix::from_diagonal(own)).cholesky()?;
+        let by = |of: &dyn Fn(&Equation) -> f64| {
+            DVector::from_iterator(self.all.len(), self.all.iter().map(of))
+        };
+        let (design, values) = (design(&self.all, along), by(&|one| one.value));
+        let covariance = (&self.shared + DMatrix::from_diagonal(&by(&own))).cholesky()?;
         let lower = covariance.l();
         let white = lower.solve_lower_triangular(&(&design * &self.determined))?;
         let wanted = lower.solve_lower_triangular(&values)?;
@@ -315,11 +260,11 @@ impl Equations {
     }
 
     /// Solves (7) for the unit vectors that were measured along.
-    pub(super) fn metric(&self, model: &Model, noise: Option<Noise>) -> Metric {
-        let solution = self.solved(|one| one.direction);
+    pub(super) fn metric(&self, model: &Model) -> Metric {
+        let solution = self.solved(|one| one.direction, |one| one.own);
         // Which unknowns rest on nothing but equations of known uncertainty; judged at the nominal directions, like the
         // rank.
-        let nominal = self.solved(|one| one.nominal);
+        let nominal = self.solved(|one| one.nominal, |one| one.own);
         let is_known = |unknown: usize| {
             let mut weighed = (0..self.all.len()).filter(|at| !self.all[*at].known);
             weighed.all(|at| {
@@ -333,11 +278,10 @@ impl Equations {
             Some(solution.as_ref().filter(|_| is_determined)?.unknowns[index])
         };
         let row = |index| {
-            let of = |found: &Solution, at| (found.gain[(index, at)], &self.all[at].row);
-            let every = 0..self.all.len();
-            Row::sum(solution.iter().flat_map(|found| every.clone().map(move |at| of(found, at))))
+            let of = |at: usize| Some((solution.as_ref()?.gain[(index, at)], &self.all[at].row));
+            Row::sum((0..self.all.len()).filter_map(of))
         };
-        let unknown = |at| Estimated::new((row(at), value(at), is_known(at)), model, noise);
+        let unknown = |at| Estimated::new(row(at), value(at), is_known(at), model);
         // Length of the row of dθ̂/d(open).
         let design = design(&self.all, |one| one.direction);
         let leaks = solution.as_ref().map(|found| &found.gain * &design * &self.open);
@@ -348,10 +292,141 @@ impl Equations {
             leak: PerPlane::from_fn(|plane| leak(3 + plane as usize)),
         }
     }
+
+    /// Tests the redundancy; `None` where there is none, or no line beside the four diagonals (of a thin box they
+    /// determine less). An equation of unknown uncertainty counts as exact, but none as more certain than what (7)
+    /// neglects at slopes of this size.
+    pub(super) fn agreement(&self, found: &Metric) -> Option<Agreement> {
+        let freedom = self.all.len().saturating_sub(self.determined.ncols());
+        if freedom == 0 || self.all.len() <= DIAGONALS {
+            return None;
+        }
+        let slopes = found.unknowns.iter().filter_map(|one| one.um_per_m);
+        let largest = slopes.fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
+        let neglected = (3.0 * largest.squared() * UM_PER_M).max(NEGLECTED_UM_PER_M).squared();
+        let variance = |one: &Equation| if one.known { one.own.max(neglected) } else { neglected };
+        let chi_squared = self.solved(|one| one.direction, variance)?.chi_squared;
+        let check = |(index, one): (usize, &Equation)| {
+            let mut rest = self.all.clone();
+            rest.remove(index);
+            let shared = self.shared.clone().remove_row(index).remove_column(index);
+            let (rest, row) = (Equations::of(rest, shared), products(&one.direction));
+            // Whether the slope along the direction is determined.
+            let holds = rest.open.tr_mul(&row).norm() < SHARE_TOLERANCE * row.norm();
+            let found = holds.then(|| rest.solved(|one| one.direction, variance)).flatten();
+            let others = found.map(|found| Others {
+                found_um_per_m: row.dot(&found.unknowns),
+                u_difference_um_per_m: (variance(one) + row.dot(&(&found.spread * row))).sqrt(),
+            });
+            LineCheck { direction: one.direction, stated_um_per_m: one.value, others }
+        };
+        let mut lines: Vec<LineCheck> = self.all.iter().enumerate().map(check).collect();
+        let false_by = |line: &LineCheck| {
+            let by = line.difference().zip(line.others).map_or(0.0, |((by, _), others)| {
+                by.abs() - NORMAL_ONE_SIDED * others.u_difference_um_per_m
+            });
+            by.max(0.0)
+        };
+        let false_by_um_per_m = lines.iter().map(false_by).collect();
+        let known = self.all[..DIAGONALS].iter().all(|one| one.known);
+        Some(Agreement {
+            chi_squared,
+            freedom,
+            probability: chance_of(chi_squared, freedom, None).filter(|_| known),
+            lines: lines.split_off(DIAGONALS),
+            taken_as_exact: self.all[DIAGONALS..].iter().any(|line| !line.known),
+            false_by_um_per_m,
+        })
+    }
 }
 
-/// M: the equations by the six unknowns.
-fn design(all: &[Equation], along: fn(&Equation) -> PerAxis<f64>) -> DMatrix<f64> {
-    let rows: Vec<_> = all.iter().map(|one| products(&along(one)).transpose()).collect();
-    DMatrix::from_fn(all.len(), 6, |i, j| rows[i][j])
+// Whether linear axes, beams and diagonals agree: the redundancy of formula (7).
+//
+// ```text
+//   χ² = min over θ of (y − Mθ)ᵀ V⁻¹ (y − Mθ)       ~ χ²(ν),   ν = number of equations − rank
+//   a line against all others:   stated − vᵀhv, with h solved from (7) without that line
+// ```
+// With the four diagonals and three linear axes ν = 1: X²p_xx + Y²p_yy + Z²p_zz against S. It is
+// the only thing that notices a slope of the wrong sign or unit, or a wrong edge of the box; which
+// of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
+
+/// Below this probability the equations contradict each other.
+const SMALL_PROBABILITY: f64 = 0.001;
+
+/// One line against the diagonals and all other lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineCheck {
+    /// Its direction, of length 1.
+    pub direction: PerAxis<f64>,
+    /// Its slope as measured (a beam: less the shapes between its ends), µm/m.
+    pub stated_um_per_m: f64,
+    /// What everything else says of it; `None` where nothing else does.
+    pub others: Option<Others>,
+}
+
+/// What everything else says of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Others {
+    /// Its slope, µm/m.
+    pub found_um_per_m: f64,
+    /// Standard uncertainty (k = 1) of stated − found, µm/m.
+    pub u_difference_um_per_m: f64,
+}
+
+impl LineCheck {
+    /// Stated − found, µm/m, and the same in standard deviations.
+    pub fn difference(&self) -> Option<(f64, f64)> {
+        let others = self.others?;
+        let difference = self.stated_um_per_m - others.found_um_per_m;
+        Some((difference, difference / others.u_difference_um_per_m))
+    }
+
+    /// `X` for a linear axis, else `beam` and its direction.
+    pub fn name(&self) -> String {
+        let along = |axis: &Axis| (self.direction[*axis].abs() - 1.0).abs() < 1e-9;
+        match Axis::ALL.iter().find(|axis| along(axis)) {
+            Some(axis) => axis.to_string(),
+            None => {
+                let PerAxis { x, y, z } = self.direction;
+                format!("beam ({x:.2}, {y:.2}, {z:.2})")
+            }
+        }
+    }
+}
+
+/// The test of what is redundant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Agreement {
+    /// Weighed residuals.
+    pub chi_squared: f64,
+    /// ν, number of redundant equations, at least 1.
+    pub freedom: usize,
+    /// Probability of residuals at least as large; `None` where the noise of the readings is not known.
+    pub probability: Option<f64>,
+    /// The lines, in the order of the job.
+    pub lines: Vec<LineCheck>,
+    /// Whether a line's uncertainty is not known: it counts as exact in this test.
+    pub taken_as_exact: bool,
+    /// By how much each equation may be false if it alone is: the diagonals, then the lines, µm/m.
+    pub(super) false_by_um_per_m: Vec<f64>,
+}
+
+impl Agreement {
+    /// Whether the equations contradict each other.
+    pub fn is_refuted(&self) -> bool {
+        self.probability.is_some_and(|p| p < SMALL_PROBABILITY)
+    }
+
+    /// The contradiction; `None` where there is none.
+    pub(crate) fn contradiction(&self) -> Option<SeparationFinding> {
+        let says = |line: &LineCheck| {
+            let (um_per_m, ratio) = line.difference()?;
+            let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
+            Some(format!("{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"))
+        };
+        self.is_refuted().then(|| SeparationFinding::LinesDisagree {
+            lines: joined(self.lines.iter().filter_map(says)),
+            taken_as_exact: self.taken_as_exact,
+        })
+    }
 }

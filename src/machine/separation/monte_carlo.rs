@@ -9,11 +9,11 @@
 //!
 //! Trial number t draws from stream t of the generator, so that more trials begin with the same ones.
 
+use super::Separation;
 use super::curves::{ReferenceLine, mean, range};
 use super::joint::at;
-use super::noise::float;
-use super::separate::Separation;
-use crate::quantity::{ErrorTerm, Plane, Squared};
+use super::readings::float;
+use crate::quantity::{Plane, Squared};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -56,7 +56,11 @@ pub struct Figure {
 }
 
 impl Figure {
-    fn of(name: String, estimate: f64, mut values: Vec<f64>) -> Figure {
+    fn of(
+        (name, unit, measured_coverage): (String, &'static str, f64),
+        estimate: f64,
+        mut values: Vec<f64>,
+    ) -> Figure {
         values.sort_by(f64::total_cmp);
         let mean = mean(values.iter().copied());
         let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
@@ -64,18 +68,15 @@ impl Figure {
         let mirrored = |share: f64| 2.0 * estimate - at(&values, share * last);
         Figure {
             name,
-            unit: "µm",
+            unit,
             estimate,
             bias: mean - estimate,
             interval: [mirrored(0.975), mirrored(0.025)],
-            measured_coverage: HELD_OF_EXTREMES,
+            measured_coverage,
             u: (square / last).sqrt(),
         }
     }
 }
-
-/// Trials that are computed side by side, in half the time: the sums of one need not wait for those of another.
-const TOGETHER: usize = 8;
 
 /// The result of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -86,6 +87,9 @@ pub struct Simulated {
     /// Figures.
     pub figures: Vec<Figure>,
 }
+
+/// A figure of the readings with so much added to each entry of z.
+type Simulates<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
 
 /// Runs the trials, of the figures whose uncertainty is known: a simulation knows no more of them. `None` where the noise
 /// of the readings is not known. `progress` hears of each finished trial.
@@ -98,64 +102,45 @@ pub fn simulate(
     let volume = &separation.volume;
     let curves = separation.errors.mean.iter().filter_map(|(term, found)| {
         let found = found.as_ref().filter(|of| of.u.is_some() || term.is_cross())?;
+        let curve = |noise: &[f64]| {
+            let moved = found.rows.values(noise, found.rows.line.dot(noise)).into_iter();
+            moved.zip(&found.deviation_um).map(|(moved, um)| um + moved).collect::<Vec<f64>>()
+        };
         let at: Vec<f64> = (0..=volume.steps).map(|at| volume.along_mm(term.along, at)).collect();
-        Some((term, found, at))
+        let straightness = ReferenceLine::LeastSquares;
+        let (what, of): (_, Simulates<'_>) = match term.is_positioning() {
+            true => ("range", Box::new(move |noise| range(curve(noise).into_iter()))),
+            false => (
+                "straightness",
+                Box::new(move |noise| straightness.straightness_um(&at, &curve(noise))),
+            ),
+        };
+        Some((format!("{what} {term}"), "µm", HELD_OF_EXTREMES, of))
     });
-    let curves: Vec<_> = curves.collect();
     let planes = Plane::ALL.into_iter().filter_map(|plane| {
         let found = separation.metric.squareness(plane);
-        Some((plane, found.um_per_m.filter(|_| found.u.is_some())?))
+        let um_per_m = found.um_per_m.filter(|_| found.u.is_some())?;
+        let of: Simulates<'_> = Box::new(move |noise| um_per_m + found.row.dot(noise));
+        Some((format!("squareness {}", plane.key()), "µm/m", HELD, of))
     });
-    let planes: Vec<_> = planes.collect();
-    // With so much added to what was measured.
-    let figures = |noise: &[[f64; TOGETHER]]| -> Vec<[f64; TOGETHER]> {
-        let of_curves = curves.iter().map(|(term, found, at)| {
-            let moved = found.rows.values_of(noise, found.rows.line.dots(noise));
-            std::array::from_fn(|trial| {
-                let curve = found.deviation_um.iter().zip(&moved);
-                let curve = curve.map(|(um, moved)| um + moved[trial]);
-                match term.is_positioning() {
-                    true => range(curve),
-                    false => {
-                        ReferenceLine::LeastSquares.straightness_um(at, &curve.collect::<Vec<_>>())
-                    }
-                }
-            })
-        });
-        let row = |plane| &separation.metric.squareness(plane).row;
-        let of_planes = planes
-            .iter()
-            .map(|(plane, um_per_m)| row(*plane).dots(noise).map(|moved| um_per_m + moved));
-        of_curves.chain(of_planes).collect()
-    };
+    let all: Vec<_> = curves.chain(planes).collect();
     let sigmas = separation.model.drawn();
-    let mut noise = vec![[0.0; TOGETHER]; separation.model.layout.len()];
-    let estimates = figures(&noise);
-    let mut trials = vec![Vec::with_capacity(plan.trials); estimates.len()];
-    for first in (0..plan.trials).step_by(TOGETHER) {
-        let together = TOGETHER.min(plan.trials - first);
-        for trial in 0..together {
-            let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
-            random.set_stream((first + trial) as u64);
-            for (entry, sigma) in noise.iter_mut().zip(&sigmas) {
-                let draw: f64 = StandardNormal.sample(&mut random);
-                entry[trial] = sigma * draw;
-            }
+    let mut noise = vec![0.0; separation.model.layout.len()];
+    let estimates: Vec<f64> = all.iter().map(|(.., of)| of(&noise)).collect();
+    let mut trials = vec![Vec::with_capacity(plan.trials); all.len()];
+    for trial in 0..plan.trials {
+        let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
+        random.set_stream(trial as u64);
+        for (entry, sigma) in noise.iter_mut().zip(&sigmas) {
+            let draw: f64 = StandardNormal.sample(&mut random);
+            *entry = sigma * draw;
         }
-        let found = trials.iter_mut().zip(figures(&noise));
-        found.for_each(|(all, values)| all.extend(&values[..together]));
-        (0..together).for_each(|_| progress());
+        trials.iter_mut().zip(&all).for_each(|(trials, (.., of))| trials.push(of(&noise)));
+        progress();
     }
-    let mut found = estimates.into_iter().map(|[um, ..]| um).zip(trials);
-    let of_curve = |((term, ..), (um, trials)): (&(ErrorTerm, _, _), _)| {
-        let what = if term.is_positioning() { "range" } else { "straightness" };
-        Figure::of(format!("{what} {term}"), um, trials)
-    };
-    let mut figures: Vec<Figure> = curves.iter().zip(&mut found).map(of_curve).collect();
-    figures.extend(planes.iter().zip(found).map(|((plane, _), (um_per_m, trials))| Figure {
-        unit: "µm/m",
-        measured_coverage: HELD,
-        ..Figure::of(format!("squareness {}", plane.key()), um_per_m, trials)
-    }));
-    Some(Simulated { plan, figures })
+    let figures = all.into_iter().zip(estimates).zip(trials);
+    let figures = figures.map(|(((name, unit, held, _), estimate), values)| {
+        Figure::of((name, unit, held), estimate, values)
+    });
+    Some(Simulated { plan, figures: figures.collect() })
 }

@@ -30,21 +30,18 @@
 //! ```
 //! The cross terms of that axis hold the mean of both directions: nothing tells their reversal.
 
-use super::campaign::{LinearReversal, LinearReversals, Start};
+use super::campaign::{Estimate, LinearReversals, Start};
 use super::curves::mean;
-use super::findings::SeparationFinding;
 use super::linear::{CurveRows, Row};
-use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
-use super::readings::Walk;
+use super::readings::{DIGIT_UM, Noise, UNRESOLVED_UM, Walk, chance_of, float};
 use super::solved::Solved;
-use super::uncertainty::Budget;
+use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Squared,
-    Volume, larger,
+    larger,
 };
 use crate::text::Finding;
 use nalgebra::{DMatrix, DVector};
-use serde::Serialize;
 
 /// Chance that an offset or a jump is believed where there is only noise.
 const FALSE_ALARM: f64 = 0.01;
@@ -55,16 +52,7 @@ const NEGLECTED: f64 = 1e-3;
 /// Equations by what was measured: J and G of each axis along each diagonal.
 const MEASURED: usize = 24;
 
-/// A reversal and its standard uncertainty (k = 1; `None` = noise not known), µm.
-#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
-pub struct Estimate {
-    /// B: moving + minus moving −.
-    pub um: f64,
-    /// By the noise of the readings, and by how much a reversal may change along its axis.
-    pub u_um: Option<f64>,
-}
-
-/// Reversal at the turn.
+/// Reversal at the turn; u by the noise of the readings, and by how much a reversal may change along its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
     /// B of each term, mean of both ends of its axis.
@@ -88,11 +76,11 @@ pub struct Turn {
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means; of a jump that of the axis itself.
-pub(super) fn ran_over(budget: &Budget<'_>, noise: Noise) -> Option<bool> {
-    let (z, counts, layout) = (budget.start.means(), budget.start.counts(), budget.layout());
+pub(super) fn ran_over(start: &Start<'_>, noise: Noise) -> Option<bool> {
+    let (z, counts, layout) = (start.measured(), start.counts(), start.layout());
     let square = noise.sigma_um.max(DIGIT_UM).squared();
-    let runs = |d: Diagonal| Pass::BOTH.map(|pass| counts[layout.reading(pass, d, 0)]);
-    let variance = |d: Diagonal| square * runs(d).map(|runs| 1.0 / runs).iter().sum::<f64>();
+    let of_mean = |d, pass| 1.0 / counts[layout.reading(pass, d, 0)];
+    let variance = |d| square * Pass::BOTH.map(|pass| of_mean(d, pass)).iter().sum::<f64>();
     let offset = |d: Diagonal| {
         let [forward, reverse] =
             Pass::BOTH.map(|pass| z[layout.reading(pass, d, layout.nodes - 1)]);
@@ -100,7 +88,7 @@ pub(super) fn ran_over(budget: &Budget<'_>, noise: Noise) -> Option<bool> {
     };
     let jump = |axis: Axis| {
         let sum: f64 =
-            Diagonal::ALL.map(|d| budget.jump(d, axis).dot(&z) / (2.0 * variance(d))).iter().sum();
+            Diagonal::ALL.map(|d| start.jump(d, axis).dot(&z) / (2.0 * variance(d))).iter().sum();
         let weight: f64 = Diagonal::ALL.map(|d| 1.0 / (2.0 * variance(d))).iter().sum();
         sum.squared() / weight
     };
@@ -128,8 +116,8 @@ fn solution(design: &DMatrix<f64>, covariance: DMatrix<f64>) -> Option<[DMatrix<
 impl Solved<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
-        let budget = self.budget;
-        let (volume, noise) = (budget.volume(), budget.noise);
+        let start = self.start;
+        let (volume, noise) = (start.volume(), start.noise);
         let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
         // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
         let at = |along: Axis, of: Axis, end: Direction| {
@@ -144,17 +132,17 @@ impl Solved<'_> {
             }
             let change = |step| {
                 [(1.0, Pass::Forward), (-1.0, Pass::Reverse)]
-                    .map(|(sign, pass)| (sign * d.sign(axis), budget.moved(pass, d, axis, step)))
+                    .map(|(sign, pass)| (sign * d.sign(axis), start.moved(pass, d, axis, step)))
             };
             let between = 1..volume.steps - 1;
-            rows.extend([budget.jump(d, axis), Row::sum(between.flat_map(change))]);
+            rows.extend([start.jump(d, axis), Row::sum(between.flat_map(change))]);
         }
         for term in 0..9 {
             design[(MEASURED + term, term)] = -1.0;
             design[(MEASURED + term, 9 + term)] = 1.0;
         }
         let square = noise.map_or(0.0, |noise| noise.sigma_um).max(DIGIT_UM).squared();
-        let counts = budget.start.counts();
+        let counts = start.counts();
         let mut weighed = DMatrix::zeros(counts.len(), MEASURED);
         for (index, row) in rows.iter().enumerate() {
             let u = |place: usize| (square / counts[place]).sqrt();
@@ -176,7 +164,7 @@ impl Solved<'_> {
         let change_um = PerTerm::from_fn(|term| {
             let own = at(term.along, term.of, Direction::Minus);
             let found = changes[own].squared().max(of_changes[(own, own)]).max(usual).sqrt();
-            larger(found, budget.start.change_um[term])
+            larger(found, start.change_um[term])
         });
         covariance = covariance.resize(MEASURED + 9, MEASURED + 9, 0.0);
         for term in ErrorTerm::ALL {
@@ -194,7 +182,7 @@ impl Solved<'_> {
             u_um: noise.map(|_| self.model.variance(row).all.sqrt()),
         };
         let both = |term: ErrorTerm| Direction::BOTH.map(|way| end(term, way));
-        let alone = |d, axis| Row::sum([(1.0 / volume.cosine(axis), budget.jump(d, axis))]);
+        let alone = |d, axis| Row::sum([(1.0 / volume.cosine(axis), start.jump(d, axis))]);
         Some(Turn {
             reversal: PerTerm::from_fn(|term| {
                 estimate(&Row::sum(both(term).map(|row| (0.5, row))))
@@ -213,30 +201,29 @@ impl Solved<'_> {
                 let mut curve = self.between_passes(term);
                 let rise = curve.steps.iter().map(|step| (-1.0, step));
                 curve.line = Row::sum(rise.chain([(1.0, &high), (-1.0, &low)])).merged();
-                CurveRows { start: low, ..curve }
+                CurveRows { start: low, line_um: curve.line.dot(&self.z), ..curve }
             }),
         })
     }
 
     /// B less that at the low end, by the increments of both directions.
     fn between_passes(&self, term: ErrorTerm) -> CurveRows {
-        let of = |way, at| self.budget.delta(term, Some(way), at);
+        let of = |way, at| self.start.delta(term, Some(way), at);
         let step =
             |at| Row::sum([(1.0, of(Direction::Plus, at)), (-1.0, of(Direction::Minus, at))]);
-        let steps = (0..self.budget.volume().steps).map(step).collect();
+        let steps = (0..self.start.volume().steps).map(step).collect();
         CurveRows { steps, ..CurveRows::default() }
     }
 
     /// B of a linear measurement: each place is measured by itself.
-    fn by_linear(&mut self, reversal: &LinearReversal) -> CurveRows {
-        let u_um = reversal.u_um.iter().flatten().copied().chain(std::iter::repeat(0.0));
-        let places = reversal.um.iter().zip(u_um).map(|(um, u_um)| self.add(*um, u_um));
-        let places: Vec<Row> = places.map(Row::of).collect();
+    fn by_linear(&mut self, reversal: &[Estimate]) -> CurveRows {
+        let place = |b: &Estimate| Row::of(self.add(b.um, b.u_um.unwrap_or(0.0)));
+        let places: Vec<Row> = reversal.iter().map(place).collect();
         let step = |ends: &[Row]| Row::sum([(1.0, &ends[1]), (-1.0, &ends[0])]);
         CurveRows {
             steps: places.windows(2).map(step).collect(),
             start: places.into_iter().next().unwrap_or_default(),
-            line: Row::default(),
+            ..CurveRows::default()
         }
     }
 
@@ -249,23 +236,28 @@ impl Solved<'_> {
     ) -> PerTerm<Option<(CurveRows, bool)>> {
         PerTerm::from_fn(|term| match (&linear[term.along], turn) {
             (Some(own), _) if term.is_positioning() => {
-                Some((self.by_linear(own), own.u_um.is_some()))
+                Some((self.by_linear(own), u_largest_um(own).is_some()))
             }
             (_, Some(turn)) => Some((turn.curves[term].clone(), true)),
-            _ => self.budget.both_ways().then(|| (self.between_passes(term), true)),
+            _ => self.start.both_ways().then(|| (self.between_passes(term), true)),
         })
     }
+}
+
+/// The largest of the uncertainties of a linear measurement: its readings may share causes.
+fn u_largest_um(reversal: &[Estimate]) -> Option<f64> {
+    reversal.iter().filter_map(|b| b.u_um).reduce(f64::max)
 }
 
 /// Where the turn and the linear measurement of an axis contradict each other by more than six
 /// standard deviations: the axes turned otherwise than was stated, or the two were not measured in
 /// the same state.
 pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Finding> {
-    let of_axis = |(axis, linear): (Axis, &Option<LinearReversal>)| {
+    let of_axis = |(axis, linear): (Axis, &Option<Vec<Estimate>>)| {
         let linear = linear.as_ref()?;
         let of_turn = turn.reversal[ErrorTerm::positioning(axis)];
-        let (turn_um, linear_um) = (of_turn.um, mean(linear.um.iter().copied()));
-        let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
+        let (turn_um, linear_um) = (of_turn.um, mean(linear.iter().map(|b| b.um)));
+        let limit = 6.0 * of_turn.u_um?.hypot(u_largest_um(linear)?);
         let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);
         apart.then(|| {
             Finding::from(SeparationFinding::TurnAgainstLinear { axis, turn_um, linear_um })
@@ -278,27 +270,23 @@ pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Fi
 /// `None` where the mean of forward minus reverse readings is within their noise. The reversal of
 /// a single axis is hidden in it, so that no curve holds it. What linear measurements tell of
 /// single axes, Σ_k (V_k/R) B_k at each place, is taken off.
-pub(super) fn hidden_reversal_um(
-    start: &Start,
-    noise: Option<Noise>,
-    volume: &Volume,
-    known: &LinearReversals,
-) -> Option<f64> {
+pub(super) fn hidden_reversal_um(start: &Start<'_>, known: &LinearReversals) -> Option<f64> {
+    let volume = start.volume();
     let beside = |(forward, back): (&Walk, &Walk)| -> Vec<f64> {
         let of_known = |node: usize| -> f64 {
             let b = known.iter().filter_map(|(axis, b)| {
                 let end = volume.end_at(forward.diagonal, PathKind::Step, node, axis);
-                Some(volume.cosine(axis) * b.as_ref()?.um[end])
+                Some(volume.cosine(axis) * b.as_ref()?[end].um)
             });
             b.sum()
         };
         let pairs = forward.um.iter().zip(&back.um).enumerate();
         pairs.map(|(node, (forward, back))| forward - back - of_known(node)).collect()
     };
-    let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
-    let u_known = known.iter().filter_map(|(axis, b)| {
-        Some((volume.cosine(axis) * b.as_ref()?.u_largest_um()?).squared())
-    });
+    let sigma = start.noise.map_or(0.0, |noise| noise.sigma_um);
+    let u_known = known
+        .iter()
+        .filter_map(|(axis, b)| Some((volume.cosine(axis) * u_largest_um(b.as_ref()?)?).squared()));
     let u_known = u_known.sum::<f64>().sqrt();
     let shown = |b: &Vec<f64>| {
         // Six standard deviations of a mean difference.

@@ -5,13 +5,11 @@
 //!   figure      = a scale or a squareness: of (7), or of the totals where the set-up is assumed (4)
 //! ```
 
-use super::campaign::MeasuredLine;
+use super::campaign::{MeasuredLine, Start};
 use super::curves::{Curve, ReferenceLine};
-use super::linear::{CurveRows, Model, Row, Variance};
-use super::metric::{Equations, Metric, UM_PER_M};
-use super::uncertainty::{Budget, Uncertainty};
+use super::linear::{CurveRows, Model, Row, Uncertainty};
+use super::metric::{Agreement, Equation, Equations, Metric, UM_PER_M};
 use crate::inputs::job::{Frame, SetUp};
-use crate::machine::separation::closure::Agreement;
 use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, PerPlane, PerTerm, Plane,
     URAD_PER_ARCSEC, Volume,
@@ -20,7 +18,7 @@ use std::sync::Arc;
 
 /// Curves as rows over what was measured, and what their slopes come from.
 pub(super) struct Solved<'a> {
-    pub(super) budget: &'a Budget<'a>,
+    pub(super) start: &'a Start<'a>,
     pub(super) model: Model,
     /// What was measured.
     pub(super) z: Vec<f64>,
@@ -50,65 +48,64 @@ pub fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
 }
 
 impl<'a> Solved<'a> {
-    /// `model`: of the causes; the noise of the readings is that of the budget.
-    pub(super) fn new(budget: &'a Budget<'a>, mut model: Model) -> Solved<'a> {
-        let (campaign, volume) = (budget.campaign, budget.volume());
-        budget.write_noise(&mut model.own);
-        let mut z = budget.start.means();
-        z.extend(campaign.lines.iter().map(|line| line.slope_um_per_m));
-        z.resize(model.layout.len(), 0.0);
-        let mean_steps = PerTerm::from_fn(|term| budget.mean_of(term));
-        let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| budget.sum(d, axis)));
+    /// `model`: of the causes; the noise of the readings is that of the start.
+    pub(super) fn new(start: &'a Start<'a>, model: Model) -> Solved<'a> {
+        let (campaign, volume) = (start.campaign, start.volume());
+        let mut model = model.with_noise(start.noise, &start.counts());
+        let z = start.measured();
+        let step = |term, at| start.mean(|group| start.delta(term, group, at));
+        let mean_steps = PerTerm::from_fn(|term| -> Arc<[Row]> {
+            (0..volume.steps).map(|at| step(term, at)).collect()
+        });
+        let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| start.sum(d, axis)));
         let ratio = |d: Diagonal, axis: Axis| {
             let length_um = volume.size[axis].mm() * 1000.0;
             d.sign(axis) * (volume.cosine(axis) + sums[d][axis].dot(&z) / length_um)
         };
         let ratios = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| ratio(d, axis)));
-        // (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
-        let stepped = |q: PerAxis<f64>| (q, (q.dot(q) - 1.0) / 2.0 / UM_PER_M);
-        let stepped = PerDiagonal::from_fn(|d| stepped(ratios[d]));
-        let metres = volume.diagonal_mm() / 1000.0;
         let total = |d: Diagonal| Row::sum(sums[d].iter().map(|(_, sum)| (1.0, sum)));
         let ends = PerDiagonal::from_fn(total);
-        let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
-        let mut rows: Vec<Row> =
-            ends.iter().map(|(_, row)| Row::sum([(1.0 / metres, row)])).collect();
-        let mut lines = campaign.lines.clone();
-        for (index, line) in lines.iter_mut().enumerate() {
+        // (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
+        let of_diagonal = |d: Diagonal| {
+            let (direction, nominal, known) = (ratios[d], volume.laser(d), start.noise.is_some());
+            let value = (direction.dot(direction) - 1.0) / 2.0 / UM_PER_M;
+            let row = Row::sum([(1000.0 / volume.diagonal_mm(), &ends[d])]);
+            Equation { direction, nominal, value, row, known, own: 0.0 }
+        };
+        let of_line = |(index, line): (usize, &MeasuredLine)| {
             let mut row = Row::of(model.layout.line(index));
             row.add(-1.0, shapes_in(volume, &mean_steps, line));
-            line.slope_um_per_m = row.dot(&z);
-            rows.push(row);
-        }
-        let known = (&mut model, budget.noise.is_some());
-        let equations = Equations::new(volume, &stepped, &lines, rows, known);
-        let mut metric = equations.metric(&model, budget.noise);
+            Equation::of_line(line, row, &z)
+        };
+        let lines = campaign.lines.iter().enumerate().map(of_line);
+        let all = Diagonal::ALL.map(of_diagonal).into_iter().chain(lines).collect();
+        let equations = Equations::new(all, &mut model);
+        let mut metric = equations.metric(&model);
         if campaign.measurement.setup == SetUp::AssumePerfect {
             for plane in Plane::ALL {
-                let row = of_totals(volume, &ends, plane);
-                let um_per_m = row.dot(&z);
-                metric.set_squareness(plane, (row, um_per_m), (&model, budget.noise));
+                metric.set_squareness(plane, of_totals(volume, &ends, plane), &z, &model);
             }
         }
+        let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
         let rise =
             |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
         let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
-        Solved { budget, naive, ratios, metric, equations, ends_um, model, z, mean_steps }
+        Solved { start, naive, ratios, metric, equations, ends_um, model, z, mean_steps }
     }
 
     /// What is assumed of the set-up.
     pub(super) fn setup(&self) -> SetUp {
-        self.budget.campaign.measurement.setup
+        self.start.campaign.measurement.setup
     }
 
     fn metres(&self, term: ErrorTerm) -> f64 {
-        self.budget.volume().size[term.along].mm() / 1000.0
+        self.start.volume().size[term.along].mm() / 1000.0
     }
 
     /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
     fn rule(&self, term: ErrorTerm) -> [f64; 3] {
-        let measurement = self.budget.campaign.measurement;
+        let measurement = self.start.campaign.measurement;
         match (measurement.setup, measurement.frame) {
             (SetUp::AssumePerfect, frame)
                 if term.is_positioning() || frame == Frame::AsMeasured =>
@@ -123,9 +120,8 @@ impl<'a> Solved<'a> {
         }
     }
 
-    /// The mean curve of a term, its slope put right, and what turns it at its high end, µm; `None` = its slope is not
-    /// determined.
-    fn mean_rows(&self, term: ErrorTerm) -> Option<(CurveRows, f64)> {
+    /// The mean curve of a term, its slope put right; `None` = its slope is not determined.
+    fn mean_rows(&self, term: ErrorTerm) -> Option<CurveRows> {
         let [share, own, of_twin] = self.rule(term);
         let (twin, metres, found) = (term.twin(), self.metres(term), self.metric.of(term));
         let steps = self.mean_steps[term].clone();
@@ -140,7 +136,7 @@ impl<'a> Solved<'a> {
             line.add(share * metres, &found.row);
         }
         let line_um = (slope - self.naive[term]) * metres;
-        Some((CurveRows { start: Row::default(), steps, line }, line_um))
+        Some(CurveRows { start: Row::default(), steps, line, line_um })
     }
 
     /// The curves beside the lines through their ends: determined whatever the set-up.
@@ -158,23 +154,19 @@ impl<'a> Solved<'a> {
 
     /// The nine errors with their uncertainties; `apart`: B of each term, and whether its uncertainty is known.
     pub(super) fn errors(&self, apart: &PerTerm<Option<(CurveRows, bool)>>) -> NineErrors {
-        let mean = PerTerm::from_fn(|term| {
-            let (rows, line_um) = self.mean_rows(term)?;
-            Some(self.evidence(term, rows, line_um, true))
-        });
+        let mean = |term| Some(self.evidence(term, self.mean_rows(term)?, true));
         // The mean of both is that of curves which start at 0.
         let directed = |side: f64| {
-            let of = |term| {
-                let (mean, line_um) = self.mean_rows(term)?;
+            PerTerm::from_fn(|term| {
                 let (b, is_known) = apart[term].as_ref()?;
-                let mut rows = mean.beside(side / 2.0, b);
+                let mut rows = self.mean_rows(term)?.beside(side / 2.0, b);
                 rows.start.add((side - 1.0) / 2.0, &b.start);
-                let line_um = line_um + side / 2.0 * b.line.dot(&self.z);
-                Some(self.evidence(term, rows, line_um, *is_known))
-            };
-            apart.iter().any(|(_, b)| b.is_some()).then(|| PerTerm::from_fn(of))
+                Some(self.evidence(term, rows, *is_known))
+            })
         };
-        NineErrors { plus: directed(1.0), minus: directed(-1.0), mean }
+        let is_apart = apart.iter().any(|(_, b)| b.is_some());
+        let directed = is_apart.then(|| [1.0, -1.0].map(directed));
+        NineErrors { mean: PerTerm::from_fn(mean), directed }
     }
 
     /// One more entry of what was measured: its place.
@@ -184,23 +176,17 @@ impl<'a> Solved<'a> {
     }
 
     /// A curve with its uncertainties, if those of what stands beside the mean are known.
-    fn evidence(
-        &self,
-        term: ErrorTerm,
-        rows: CurveRows,
-        line_um: f64,
-        is_known: bool,
-    ) -> SeparatedError {
+    fn evidence(&self, term: ErrorTerm, rows: CurveRows, is_known: bool) -> SeparatedError {
         let [share, own, _] = self.rule(term);
         // A separated slope holds the tilt of the mirror.
         let slope_is_known = match share > 0.0 {
             true => self.metric.of(term).is_known,
-            false => own < 1.0 || self.budget.campaign.stated.tilt_arcsec.is_some(),
+            false => own < 1.0 || self.start.campaign.stated.tilt_arcsec.is_some(),
         };
-        let noise = self.budget.noise.filter(|_| is_known && slope_is_known);
-        let of = |noise| move |variance: Variance| variance.uncertainty(noise);
-        let u = noise.map(|noise| rows.variances(&self.model).into_iter().map(of(noise)).collect());
-        SeparatedError { deviation_um: rows.values(&self.z, line_um), u, rows }
+        let variances = || rows.variances(&self.model).into_iter();
+        let u = || variances().map(|variance| self.model.uncertainty(variance)).collect();
+        let u = (is_known && slope_is_known).then(u).flatten();
+        SeparatedError { deviation_um: rows.values(&self.z, rows.line_um), u, rows }
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
@@ -215,17 +201,12 @@ impl<'a> Solved<'a> {
             found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {
-            let u = self.budget.volume().laser(diagonal);
-            let expected = |along: Axis| {
-                let part = |of: Axis| slope(of, along) * u[of];
-                u[along] + 1e-6 * Axis::ALL.into_iter().map(part).sum::<f64>()
-            };
-            let eta = PerAxis::from_fn(|axis| self.ratios[diagonal][axis] - expected(axis));
+            let u = self.start.volume().laser(diagonal);
+            let turned = PerAxis::from_fn(|along| PerAxis::from_fn(|of| slope(of, along)).dot(u));
+            let eta = self.ratios[diagonal].minus(u).minus(turned.times(UM_PER_M));
             let size = eta.length();
-            Tilt {
-                arcsec: size * 1e6 / URAD_PER_ARCSEC,
-                direction: PerAxis::from_fn(|a| if size > 0.0 { eta[a] / size } else { 0.0 }),
-            }
+            let direction = eta.times(if size > 0.0 { 1.0 / size } else { 0.0 });
+            Tilt { arcsec: size / UM_PER_M / URAD_PER_ARCSEC, direction }
         }))
     }
 }
@@ -297,19 +278,14 @@ impl SeparatedError {
 pub struct NineErrors {
     /// Without regard to direction, or the mean of both.
     pub mean: PerTerm<Option<SeparatedError>>,
-    /// Moving in +, with two directions.
-    pub plus: Option<PerTerm<Option<SeparatedError>>>,
-    /// Moving in −. Where the reversal is not determined it starts at 0, too.
-    pub minus: Option<PerTerm<Option<SeparatedError>>>,
+    /// Moving in + and moving in −, with two directions. Where the reversal is not determined both start at 0.
+    pub directed: Option<[PerTerm<Option<SeparatedError>>; 2]>,
 }
 
 impl NineErrors {
     /// The curves of a direction.
     pub fn directed(&self, direction: Direction) -> Option<&PerTerm<Option<SeparatedError>>> {
-        match direction {
-            Direction::Plus => self.plus.as_ref(),
-            Direction::Minus => self.minus.as_ref(),
-        }
+        self.directed.as_ref().map(|ways| &ways[direction as usize])
     }
 
     /// φ of least squares lines through the separated curves, µm/m.

@@ -19,15 +19,12 @@
 use super::campaign::{Campaign, Start};
 use super::closure::large_noise;
 use super::curves::at;
-use super::findings::SeparationFinding;
 use super::labels;
-use super::linear::{Layout, Row};
-use super::metric::{Equations, Metric};
-use super::noise::{Noise, Outlier, float};
-use super::readings::{self, Walk};
-use super::uncertainty::Budget;
+use super::linear::Row;
+use super::metric::{Agreement, Equation, Equations, Metric};
+use super::readings::{self, Noise, Outlier, Walk, float};
 use crate::inputs::error_table::{ErrorTable, Silence};
-use crate::machine::separation::closure::Agreement;
+use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
 use crate::text::{Finding, Problem, Problems};
 use serde::Serialize;
@@ -71,55 +68,45 @@ pub fn straight(
     errors: Option<&ErrorTable>,
 ) -> Result<StraightResult, Problems> {
     let volume = &campaign.measurement.volume;
-    let start = Start::new(campaign, runs);
-    let noise = start.noise;
-    let budget = Budget { campaign, start: &start, noise, overrun: None };
-    let (all, _) = readings::figures(&start.runs, PathKind::Straight);
-    let end_um = PerDiagonal::from_fn(|d| all[d].end_um);
-    // (7) of first order: u_dᵀ h u_d = e_d(end)/R.
-    let length_m = volume.diagonal_mm() / 1000.0;
-    let diagonals = PerDiagonal::from_fn(|d| (volume.laser(d), end_um[d] / length_m));
-    let mut model = budget.model();
-    let rows = rows(volume, model.layout);
-    let known = (&mut model, noise.is_some());
-    let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
-    let metric = equations.metric(&model, noise);
-    let agreement = equations.agreement(&metric);
-    Ok(StraightResult {
-        volume: volume.clone(),
-        end_um,
-        silence: campaign.silence(),
-        doubts: doubts(campaign, &start, agreement.as_ref()),
-        agreement,
-        noise,
-        closure: errors.map(|table| closure_tests(volume, table, &start)).transpose()?,
-        labels: labels::of_straight(&budget),
-        metric,
-        zeroed_runs: start.zeroed_runs(campaign.reverse_zero_known),
-        runs: start.runs,
-    })
-}
-
-/// The totals, mean of the passes, by the length of the diagonal, µm/m; then the lines.
-fn rows(volume: &Volume, layout: Layout) -> Vec<Row> {
-    let share = 1000.0 / volume.diagonal_mm() / layout.passes as f64;
-    let total = |d: Diagonal| {
+    let mut start = Start::new(campaign, runs);
+    start.noise = start.known;
+    let mut model = start.model().with_noise(start.noise, &start.counts());
+    let (layout, z) = (model.layout, start.measured());
+    // (7) of first order: u_dᵀ h u_d = e_d(end)/R; the mean of the passes.
+    let share = 1000.0 / volume.diagonal_mm() / float(layout.passes);
+    let of_diagonal = |d: Diagonal| {
         let at = |pass, node| layout.reading(pass, d, node);
         let ends = |pass| [(at(pass, layout.nodes - 1), share), (at(pass, 0), -share)];
-        Row(Pass::BOTH.into_iter().take(layout.passes).flat_map(ends).collect())
+        let row = Row(Pass::BOTH.into_iter().take(layout.passes).flat_map(ends).collect());
+        let (direction, known) = (volume.laser(d), start.noise.is_some());
+        Equation { direction, nominal: direction, value: row.dot(&z), row, known, own: 0.0 }
     };
-    let lines = (0..layout.lines).map(|index| Row::of(layout.line(index)));
-    Diagonal::ALL.map(total).into_iter().chain(lines).collect()
-}
-
-fn doubts(campaign: &Campaign<'_>, start: &Start, agreement: Option<&Agreement>) -> Vec<Finding> {
+    let lines = campaign.lines.iter().enumerate();
+    let lines = lines.map(|(index, line)| Equation::of_line(line, Row::of(layout.line(index)), &z));
+    let all = Diagonal::ALL.map(of_diagonal).into_iter().chain(lines).collect();
+    let equations = Equations::new(all, &mut model);
+    let metric = equations.metric(&model);
+    let agreement = equations.agreement(&metric);
+    let (figures, _) = readings::figures(&start.runs, PathKind::Straight);
     let disturbed = start.outliers.iter().map(Outlier::words);
-    disturbed
+    let doubts = disturbed
         .map(|which| SeparationFinding::DisturbedTotal { which })
-        .chain(agreement.and_then(Agreement::contradiction))
+        .chain(agreement.as_ref().and_then(Agreement::contradiction))
         .map(Finding::from)
-        .chain(large_noise(start.noise, campaign.stated.noise_um))
-        .collect()
+        .chain(large_noise(start.noise, campaign.stated.noise_um));
+    Ok(StraightResult {
+        volume: volume.clone(),
+        end_um: PerDiagonal::from_fn(|d| figures[d].end_um),
+        silence: campaign.silence(),
+        doubts: doubts.collect(),
+        agreement,
+        noise: start.noise,
+        closure: errors.map(|table| closure_tests(&start, table)).transpose()?,
+        labels: labels::of_straight(&start),
+        metric,
+        zeroed_runs: start.zeroed_runs(),
+        runs: start.runs,
+    })
 }
 
 /// Measured less predicted readings of the runs of one diagonal in one direction.
@@ -165,21 +152,17 @@ impl ClosureTests {
 type Predicted = (f64, Option<f64>);
 
 /// Compares straight runs with what nine errors predict.
-fn closure_tests(
-    volume: &Volume,
-    table: &ErrorTable,
-    start: &Start,
-) -> Result<ClosureTests, Problems> {
+fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, Problems> {
     let mut found = ClosureTests { tests: Vec::new(), k: 0.0, table_states_u: true };
     for walk in &start.walks {
-        let predicted = predicted(volume, table, walk.diagonal, walk.pass)?;
+        let predicted = predicted(start.volume(), table, walk)?;
         found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
         let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
         found.tests.push(compared(walk, &predicted, readings));
     }
     found.tests.sort_by_key(|test| test.diagonal);
     // k of a test of so many differences together.
-    let differences = float((found.tests.len() * volume.steps).max(1));
+    let differences = float((found.tests.len() * start.volume().steps).max(1));
     found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
     Ok(found)
 }
@@ -205,18 +188,13 @@ fn compared(walk: &Walk, predicted: &[Predicted], square_um2: Option<f64>) -> Cl
 }
 
 /// What nine errors predict for the nodes of a diagonal; an undirected curve serves both ways.
-fn predicted(
-    volume: &Volume,
-    table: &ErrorTable,
-    diagonal: Diagonal,
-    pass: Pass,
-) -> Result<Vec<Predicted>, Problem> {
-    let u = volume.laser(diagonal);
+fn predicted(volume: &Volume, table: &ErrorTable, walk: &Walk) -> Result<Vec<Predicted>, Problem> {
+    let u = volume.laser(walk.diagonal);
     let at_node = |node: usize| {
-        let place = volume.place(diagonal, PathKind::Straight, node);
+        let place = volume.place(walk.diagonal, PathKind::Straight, node);
         let mut all = (0.0, Some(0.0));
         for ErrorTerm { of, along } in ErrorTerm::ALL {
-            let direction = Some(diagonal.travelled(along, pass));
+            let direction = Some(walk.diagonal.travelled(along, walk.pass));
             let series = table.series(along);
             let series =
                 series.iter().find(|s| s.direction == direction).or_else(|| series.first())?;

@@ -1,11 +1,11 @@
 //! Nine errors → the rows of an error table (contract §2.1), as the backlash policy of a job asks for them.
 
-use super::findings::SeparationFinding;
+use super::Separation;
 use super::joint::{Table, directions};
-use super::noise::Noise;
-use super::separate::Separation;
+use super::readings::Noise;
 use crate::inputs::error_table::{self, Draft, ErrorTable, Remarks, Series};
 use crate::inputs::job::{BacklashPolicy, Job};
+use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, Deviation, Direction, ErrorTerm, Millimetres, PerAxis, rounded};
 use crate::text::{Finding, Problem, Problems, Source, joined};
 use std::borrow::Cow;

@@ -1,9 +1,37 @@
 //! ISO 230-6 and ASME B5.54: figures of the body diagonals.
 
+use super::iso_230_2::{self, Travel};
+use super::{Condition, Met, largest, range};
 use crate::inputs::target_runs::Runs;
-use crate::machine::standards::iso_230_2::{self, Travel};
-use crate::machine::standards::{Condition, Met, largest, range};
-use crate::quantity::{Diagonal, Direction, PathKind};
+use crate::machine::separation::readings::{by_node, spacing};
+use crate::quantity::{Diagonal, Direction, Pass, PathKind, Run, Volume};
+use crate::text::Problem;
+
+/// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
+/// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
+pub(crate) fn repeatability_um(runs: &[Run], diagonal: Diagonal, pass: Pass) -> Option<f64> {
+    let nodes = by_node(runs, diagonal, pass)?;
+    let places = (0..nodes.len()).map(|node| node as f64);
+    let runs = Runs::new(places.collect(), Some(nodes), None);
+    iso_230_2::figures(&runs.ok()?).axis.r.up_um
+}
+
+/// Runs of one diagonal over its cell ends (step) or nodes (straight) as runs of a standard's test; up =
+/// forward.
+pub(crate) fn diagonal_runs(
+    volume: &Volume,
+    kind: PathKind,
+    diagonal: Diagonal,
+    runs: &[Run],
+) -> Result<Runs, Problem> {
+    let nodes = (0..=volume.last_node(kind)).step_by(spacing(kind));
+    let targets = nodes.map(|node| volume.nominal_mm(diagonal, kind, node));
+    let [up, down] = Pass::BOTH.map(|pass| {
+        let nodes = by_node(runs, diagonal, pass)?.into_iter();
+        Some(nodes.step_by(spacing(kind)).collect())
+    });
+    Runs::new(targets.collect(), up, down)
+}
 
 /// Edition of ISO 230-6 that is meant.
 const EDITION: [u16; 1] = [2002];

@@ -12,11 +12,11 @@
 
 use super::{CONFIDENCE, Table, TableCurve, at, beside_reference, largest, quantile, random, sum};
 use crate::inputs::job::{BacklashPolicy, Job};
+use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::curves::mean;
 use crate::machine::separation::linear::{Cause, Part, Row, Variance};
-use crate::machine::separation::noise::{float, student};
-use crate::machine::separation::separate::Separation;
+use crate::machine::separation::readings::{float, student};
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, larger};
 use rand_distr::{ChiSquared, Distribution};
 
