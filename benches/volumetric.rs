@@ -10,10 +10,8 @@ use nonius::volume::space::diameter;
 use nonius::volume::space::diameter::WindowMap;
 use nonius::volume::space::diameter::diameter;
 use nonius::volume::space::grid_map::Vector;
-use nonius::volume::space::histogram::exact;
-use nonius::volume::space::histogram::{Tolerance, grouping};
+use nonius::volume::space::histogram::{Tolerance, estimate, exact, grouping};
 use nonius::volume::space::pair::square;
-use nonius::volume::space::sample::estimate;
 use std::hint::black_box;
 
 /// Every pair, one after the other.

@@ -9,22 +9,19 @@ mod field;
 pub mod findings;
 mod inputs;
 mod loaded;
-mod made;
 pub mod manifest;
-mod movement;
 pub mod program_kit;
-mod rollback;
-pub mod second_look;
 pub mod simulate;
 mod verification;
 pub mod visit;
 pub mod visit_plan;
 
+use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
-use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
+use crate::kit::manifest::{HashedFile, Machine, Manifest, Predecessor, SCHEMA, State};
 use crate::read::KitFile;
 pub use crate::read::emulator;
 pub use crate::text::sha256;
@@ -32,15 +29,14 @@ use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, RenderedFile, TOOL};
 use crate::write::plan::Plan;
+use field::Shown;
 pub(crate) use inputs::{Asked, cannot_emulate};
 pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
-use loaded::named_backlash;
-use made::{Made, as_read};
+use loaded::{Made, as_read, named_backlash};
 use serde::Serialize;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
-pub use verification::{Verification, forecast, verify, verify_read_out};
+pub(crate) use verification::second_look;
+pub use verification::{SecondLook, Verification, forecast, verify, verify_read_out};
 
 /// A complete kit.
 #[derive(Clone, Debug)]
@@ -71,7 +67,7 @@ impl Kit {
 
     /// The control with its files.
     pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
-        Loaded::kit(Asked::of(inputs)?, &self.kit_files(), Some(&self.manifest.state))
+        Loaded::own(Asked::of(inputs)?, &self.kit_files())
     }
 
     /// The bytes of `manifest.json`.
@@ -97,12 +93,12 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     Ok(Kit { plan, compiled, files, effect, forecast, verdict, ways, manifest })
 }
 
-fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Value>) -> Manifest {
+fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
     let Made { inputs, plan, compiled, files, forecast, doubts, .. } = made;
-    let (job, controller) = (&inputs.job, inputs.profile.id.clone());
+    let (Job { machine, measurement, .. }, controller) = (&inputs.job, inputs.profile.id.clone());
     let active = inputs.active.as_ref();
     let hashed = |file: &RenderedFile| HashedFile {
-        role: Some(file.role.word()),
+        role: Some(file.role),
         ..hashed(&file.path, &file.bytes)
     };
     let decides = doubts.is_empty().then(|| inputs.judged(forecast).what_decides());
@@ -118,16 +114,14 @@ fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Value>) -> Manifest {
         omitted: plan.omitted.clone(),
         forecast: forecast.into(),
         tables: compiled.placements.clone(),
-        state: manifest::state(&compiled.state, |name| {
-            named_backlash(inputs, plan, compiled, name)
-        }),
-        machine: json!({
-            "name": job.machine.name,
-            "serial": job.machine.serial,
-            "chain": job.machine.chain.map(|chain| chain.to_string()),
-            "measured": job.measurement.date,
-            "protocol": job.measurement.protocol.iter().cloned().collect::<BTreeMap<_, _>>(),
-        }),
+        state: State::of(&compiled.state, |name| named_backlash(inputs, plan, compiled, name)),
+        machine: Machine {
+            name: machine.name.clone(),
+            serial: machine.serial.clone(),
+            chain: machine.chain.map(|chain| chain.to_string()),
+            measured: measurement.date.clone(),
+            protocol: measurement.protocol.iter().cloned().collect(),
+        },
         what_decides: decides.flatten(),
         sign_proofs,
         doubts: doubts.clone(),

@@ -11,13 +11,11 @@ mod curves;
 mod locale;
 pub mod picture;
 mod report;
-mod scale;
 mod svg;
 mod volume;
 
 pub use curves::{Curves, separated, targets, terms};
-pub use locale::{Locale, Shown, Texts};
+pub use locale::{Locale, Shown, Texts, bin_um};
 pub use picture::{Ink, Picture};
 pub use report::{Placed, Report, Visit, linear_document};
-pub use scale::bin_um;
 pub use volume::{HoleErrors, Side, Trace, path, volume};

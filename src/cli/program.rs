@@ -40,7 +40,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     }
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
-    let outcome = print.outcome(|| screen(job, &profile.name, &kit), || kit.manifest())?;
+    let outcome = print.outcome(|| screen(job, &profile.name, &kit), || &kit)?;
     let next_steps = next_steps(directory, &kit, table);
     Ok(options.output.deliver_files(outcome, own, (MANIFEST, &manifest), next_steps))
 }
@@ -67,7 +67,7 @@ impl Table {
         let is_empty =
             |row: &Line<'_>| row.cells().last().is_none_or(|cell| cell.trim().is_empty());
         let is_ready =
-            rows.is_some_and(|(_, rows)| rows.len() == kit.readings() && rows.iter().all(is_empty));
+            rows.is_some_and(|(_, rows)| rows.len() == kit.readings && rows.iter().all(is_empty));
         Some(Table { place, is_ready })
     }
 }
@@ -83,7 +83,7 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
             reach(job, kit),
             mirror(kit),
         ]),
-        findings: show::notes(&kit.run.notes),
+        findings: show::notes(&kit.notes),
         more: vec![show::assumptions(&kit.assumptions), show::preconditions(&kit.preconditions)],
         ..Screen::default()
     }

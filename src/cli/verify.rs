@@ -6,8 +6,7 @@ mod second;
 use crate::cli::outcome::{Outcome, Shows};
 
 use crate::judge::conformity::Verdict;
-use crate::kit::second_look::{SecondLook, second_look};
-use crate::kit::{Inputs, Verification};
+use crate::kit::{Inputs, SecondLook, Verification, second_look};
 use crate::page::Locale;
 use crate::text::Problems;
 use crate::visit::files::Files;

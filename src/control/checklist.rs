@@ -72,11 +72,6 @@ pub const ROLES: [Role; 6] =
 /// What else a text may ask for: the reference points in machine coordinates.
 pub const REFERENCE: &str = "reference";
 
-/// Whether `{word}` can be filled in.
-pub(crate) fn is_placeholder(word: &str) -> bool {
-    word == REFERENCE || ROLES.iter().any(|role| role.word() == word)
-}
-
 /// The pieces of a text: plain, and the words in braces.
 pub(crate) fn pieces(text: &str) -> Vec<(&str, Option<&str>)> {
     let (first, rest) = text.split_once('{').unwrap_or((text, ""));
@@ -227,8 +222,9 @@ fn what_to_do(section: &Section<'_>, key: &'static str) -> Option<Fact<String>> 
     let text = section.text(key);
     let origin = origin_or_rule(section);
     let text = text?;
+    let known = |word: &str| word == REFERENCE || ROLES.iter().any(|role| role.word() == word);
     let words = pieces(&text).into_iter().filter_map(|(_, word)| word);
-    for word in words.filter(|word| !is_placeholder(word)) {
+    for word in words.filter(|word| !known(word)) {
         section.problem(
             key,
             format!("`{{{}}}` cannot be filled in", shown(word)),
@@ -240,10 +236,7 @@ fn what_to_do(section: &Section<'_>, key: &'static str) -> Option<Fact<String>> 
 
 fn condition(section: &Section<'_>, key: &'static str) -> Option<When> {
     let words = section.text(key)?;
-    let (absent, word) = match words.strip_prefix("no ") {
-        Some(word) => (true, word),
-        None => (false, words.as_str()),
-    };
+    let word = words.strip_prefix("no ").unwrap_or(&words);
     let role = ROLES.into_iter().find(|role| role.word() == word);
     let mechanism = Mechanism::WORDS.iter().find(|(known, _)| *known == word);
     let subject =
@@ -255,5 +248,5 @@ fn condition(section: &Section<'_>, key: &'static str) -> Option<When> {
             "for instance `when = \"cec\"`, `when = \"rollback\"`, `when = \"no rollback\"`",
         );
     }
-    Some(When { subject: subject?, absent })
+    Some(When { subject: subject?, absent: word != words })
 }

@@ -7,13 +7,11 @@
 
 pub mod builtin;
 mod declared;
-mod example;
 pub(crate) mod fact;
 mod family;
 mod fanuc;
 mod files;
 mod form;
-mod generic;
 mod isg;
 mod linuxcnc;
 pub mod load;
@@ -21,45 +19,26 @@ mod pattern;
 pub mod program;
 mod siemens;
 
-pub use self::declared::{BesideTable, DeclaredFacts, Factor};
-pub use self::example::{Added, Example, ExampleAxis, ExampleFile};
+pub use self::declared::{BesideTable, DeclaredFacts, Factor, Typed, TypedValue};
 pub(crate) use self::fact::RULE;
 pub use self::fact::{
     Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
     TableForm, TableSign,
 };
-use self::fact::{Facts, origin_or_rule};
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, Template};
 pub(crate) use self::form::Listed;
 pub use self::form::{Form, Order, Rounding, Size, ValueForm};
-pub use self::generic::{Typed, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub(crate) use self::linuxcnc::MOST_JOINTS;
 pub use self::linuxcnc::{Columns, CrossTerms, LinuxcncFacts};
+pub use self::load::{Added, Example, ExampleAxis, ExampleFile, Profile};
 pub use self::pattern::Pattern;
 pub(crate) use self::pattern::{Field, Said};
 pub use self::siemens::{MultiplyMode, SiemensFacts};
-use crate::control::checklist::Step;
-use crate::control::claims::Precondition;
 use crate::text::{Section, Word, section, words};
 use serde::Serialize;
-
-section! {
-    /// Facts of every control.
-    #[derive(Clone, Debug, PartialEq)]
-    pub struct CommonFacts(facts: &Facts<'_>) {
-        /// Line end of the emitted files.
-        pub line_end: Fact<LineEnd> = stated(), must;
-        /// Whether the control's files may carry comments.
-        pub comments: Fact<Comments> = stated(), must;
-        /// Names of the axes X, Y, Z where the job does not state them.
-        pub axis_names: Fact<Vec<String>> = stated(), must;
-        /// Whether the job must state a detection unit for each axis.
-        pub detection_unit_required: Fact<bool> = stated(), must;
-    }
-}
 
 /// The family of formats that a control reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,66 +98,6 @@ pub enum ProfileSource {
     File(String),
 }
 
-/// A control, as the program knows it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Profile {
-    /// The id, as in `controllers list`.
-    pub id: String,
-    /// Maker and model.
-    pub name: String,
-    /// Built in, or a user's own.
-    pub origin: ProfileSource,
-    /// What all controls of its family have in common.
-    pub family: &'static Family,
-    /// The format family with its facts.
-    pub dialect: Dialect,
-    /// Line end of the emitted files.
-    pub line_end: Fact<LineEnd>,
-    /// How the characters of the emitted files are stored; `None` = not stated, UTF-8.
-    pub encoding: Option<Fact<Encoding>>,
-    /// Whether the control's files may carry comments.
-    pub comments: Fact<Comments>,
-    /// Names of the axes X, Y, Z where the job does not state them.
-    pub axis_names: Fact<Vec<String>>,
-    /// Whether the job must state a detection unit for each axis.
-    pub detection_unit_required: Fact<bool>,
-    /// The files of a kit, in the order of the manifest.
-    pub files: Vec<EmittedFile>,
-    /// Keys of a job that it needs, in order.
-    pub job_keys: Vec<JobKey>,
-    /// What a person has to see to on the control whatever the kit holds.
-    pub preconditions: Vec<Precondition>,
-    /// What switches tables off, as a remark on a kit without a file for it; `None` = a person has to see to it.
-    pub off_by_hand: Option<String>,
-    /// The page that explains the order of loading.
-    pub page: Option<String>,
-    /// The steps of a service visit, in order.
-    pub checklist: Vec<Step>,
-    /// The display that shows the correction that acts on an axis; `None` = none is known.
-    pub display: Option<Fact<String>>,
-    /// Files of others, and what the control adds for them.
-    pub examples: Vec<Example>,
-    /// Why there is none.
-    pub no_example: Option<String>,
-    /// How its part programs are written; `None` = no program can be written for it.
-    pub program: Option<program::ProgramFacts>,
-    /// All facts in words, in the order of the program's questions.
-    pub statements: Vec<Statement>,
-}
-
-impl Profile {
-    /// The file of a kit that is called so.
-    pub(crate) fn file(&self, name: &str) -> Option<&EmittedFile> {
-        self.files.iter().find(|file| file.is_called(name))
-    }
-
-    /// How the characters of the control's files are stored.
-    pub(crate) fn encoding(&self) -> Encoding {
-        let stated = self.encoding.as_ref();
-        stated.map_or(Encoding::Utf8, |fact| fact.value)
-    }
-}
-
 // Keys of a job that a control needs: what only a person at the machine knows, and where it is read there.
 
 words! {
@@ -215,9 +134,4 @@ section! {
         /// What happens if it is wrong.
         pub consequence: Option<String> => origin.and_then(|origin| origin.consequence);
     }
-}
-
-/// The keys of a page, in its order; none where it names none.
-fn job_keys(root: &Section<'_>) -> Vec<JobKey> {
-    root.subs("job", |section| JobKey::read(section, origin_or_rule(section)))
 }

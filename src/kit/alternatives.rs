@@ -8,7 +8,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Machine, forecast, judged_ranges};
 use crate::kit::inputs::{Inputs, judged};
-use crate::kit::made::Made;
+use crate::kit::loaded::Made;
 use crate::quantity::{Axis, ErrorTerm, PerAxis, larger};
 use crate::text::{Finding, Problems, Word, findings, joined, words};
 use serde::Serialize;
@@ -208,13 +208,10 @@ pub struct Left {
 
 impl Left {
     fn of(forecast: &Forecast, asked: Acceptance) -> Left {
-        let terms = asked.max_deviation_um.map(|_| forecast.max_residual_um());
-        let diagonals = forecast.diagonals.iter().map(|d| d.change.after_um);
-        let diagonals = diagonals.reduce(larger);
-        Left {
-            terms_um: terms,
-            diagonals_um: diagonals.filter(|_| asked.max_diagonal_um.is_some()),
-        }
+        let terms_um = asked.max_deviation_um.map(|_| forecast.max_residual_um());
+        let diagonals = forecast.diagonals.iter().filter(|_| asked.max_diagonal_um.is_some());
+        let diagonals_um = diagonals.map(|d| d.change.after_um).reduce(larger);
+        Left { terms_um, diagonals_um }
     }
 
     /// By how much the worst of them exceeds its limit, µm; below 0 where all keep theirs.

@@ -7,12 +7,12 @@ use crate::control::controller::{Profile, Role};
 use crate::judge::active::{ActiveControl, Fault, ReadOutFor, faults, from_read_out, listed};
 use crate::judge::findings::{FileFault, InControl};
 use crate::kit::findings::InDirectory;
-use crate::kit::made::{as_kit_file, as_read};
+use crate::kit::loaded::{as_kit_file, as_read};
 use crate::kit::manifest::HashedFile;
 use crate::read::{KitFile, is_whole, may_be_meant_for};
 use crate::text::{Finding, Kind, Problem, Problems, Severity, json_page, of_severity, shown};
 use crate::write::emit::RenderedFile;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -187,8 +187,7 @@ impl Directory {
         if self.state.is_some() || (is_called_as_a_kit && whole.is_none()) {
             return Ok(None);
         }
-        let files = self.files.iter();
-        let files = files.map(|file| (file.path.clone(), file.bytes.clone()));
+        let files = self.files.iter().map(|file| (file.path.clone(), file.bytes.clone()));
         let Inputs { job, profile, .. } = inputs;
         let files = files.collect();
         let mut control = from_read_out(job, profile, &self.path, files, ReadOutFor::Judging)?;
@@ -268,7 +267,8 @@ impl Directory {
         let Some(known) = document["inputs"].as_array() else {
             return;
         };
-        let other = |input: &&HashedFile| !known.iter().any(|k| k["sha256"] == json!(input.sha256));
+        let other =
+            |input: &&HashedFile| !known.iter().any(|k| k["sha256"] == input.sha256.as_str());
         let names = inputs.hashes.iter().filter(other);
         let names: Vec<String> = names.map(|i| format!("`{}`", shown(&i.path))).collect();
         if !names.is_empty() {

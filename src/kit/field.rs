@@ -3,7 +3,7 @@
 //! ```text
 //!   sign_proof ─→ emit ─→ BYTES ─→ read ─→ its control ─→ what a gauge has to show ─┐
 //!   read-out   ─→ emit ─→ BYTES ─→ read ─→ equal? ──────────────────────────────────┼→ checklist
-//!   control with the real tables ─→ largest movement of each axis (movement) ───────┘
+//!   control with the real tables ─→ largest movement of each axis ──────────────────┘
 //! ```
 //! Above the steps of the checklist stands whether the kit is a rehearsal, doubtful, good enough; behind them what was
 //! printed; its lists say what is overwritten, what has to be set, what the display shows.
@@ -13,26 +13,32 @@ mod proofs;
 use crate::control::checklist::{KitFacts, List, Listed, Paragraph, parts};
 use crate::control::claims::{Assumption, Precondition, SeenTo, shared};
 use crate::control::controller::{Mechanism, Role};
+use crate::judge::active::Origin;
+use crate::judge::before::{Before, ChangedBy, Old};
 use crate::judge::conformity::Verdict;
+use crate::judge::family::family;
+use crate::judge::field::{Field, Pair};
 use crate::judge::forecast::Miss;
-use crate::kit::findings::FieldFault;
-use crate::kit::inputs::{Asked, cannot_emulate};
-use crate::kit::made::Made;
-use crate::kit::{Inputs, movement, remarks, rollback};
-use crate::read::{KitFile, ReadBack, read_apart};
+use crate::kit::findings::{FieldFault, InRollback, KitFinding};
+use crate::kit::inputs::{Asked, Inputs, cannot_emulate, remarks};
+use crate::kit::loaded::{Made, as_read};
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
+use crate::read::emulate::{Emulated, Emulator, Response};
+use crate::read::siemens::{MachineDatum, MachineValue};
+use crate::read::{KitFile, ReadBack, emulator, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems, grouped};
 use crate::write::compensation::{Compiled, displayed, uses};
-use crate::write::emit::{self, RenderedFile, Words};
+use crate::write::emit::{self, Emitted, RenderedFile, Switch, Templates, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
-use serde_json::Value;
+pub(super) use proofs::Shown;
 
 /// What is written beside the tables of a kit.
 pub(super) struct FieldKit {
     pub(super) files: Vec<RenderedFile>,
     /// What each sign proof has to show, for the manifest.
-    pub(super) sign_proofs: Vec<Value>,
+    pub(super) sign_proofs: Vec<Shown>,
     /// Mechanisms without a sign proof, and a rollback that is not whole.
     pub(super) notes: Vec<Finding>,
 }
@@ -41,15 +47,14 @@ pub(super) struct FieldKit {
 pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let Proofs { shown, mut files, missing } = Proofs::of(made)?;
     let mut not_written = missing.clone();
-    let rollback = rollback::make(made)?;
+    let rollback = rollback(made)?;
     let notes = missing.into_iter().chain(rollback.note().map(Finding::from)).collect();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
-    let sign_proofs = shown.iter().map(proofs::document).collect();
     if !made.inputs.profile.files.iter().any(|file| file.role == Role::Checklist) {
-        return Ok(FieldKit { files, sign_proofs, notes });
+        return Ok(FieldKit { files, sign_proofs: shown, notes });
     }
-    let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
+    let movement = switching(made).map_err(|reason| cannot_emulate(&reason))?;
     let (task, compiled) = (made.task(), &made.compiled);
     let lists = |list: List| match list {
         List::Places => places(made),
@@ -73,7 +78,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let misses = misses(made);
     let words = Words { head: head(made, &misses), parts, about: about(made, &misses) };
     files.extend(emit::render_checklist(task, &made.templates, compiled, &words)?);
-    Ok(FieldKit { files, sign_proofs, notes })
+    Ok(FieldKit { files, sign_proofs: shown, notes })
 }
 
 /// How the files of a directory that stand apart differ from those of the job.
@@ -100,7 +105,7 @@ pub(super) fn differences(
             }));
         }
     }
-    found.extend(rollback::differences(asked, files)?.map(Finding::from));
+    found.extend(rollback_differs(asked, files)?.map(Finding::from));
     Ok(found)
 }
 
@@ -126,8 +131,7 @@ const MOST: usize = 3;
 fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
     let remarks = &made.inputs.model.remarks;
     let simulated = remarks.simulated().map(|note| format!("**{note}**"));
-    let doubts = made.doubts.iter();
-    let doubts = doubts.map(|doubt| format!("**INCONSISTENT:** {doubt}"));
+    let doubts = made.doubts.iter().map(|doubt| format!("**INCONSISTENT:** {doubt}"));
     let alone = simulated.chain(doubts).map(|text| Paragraph { text, items: Vec::new() });
     alone.chain([verdict(made, misses)]).collect()
 }
@@ -164,6 +168,55 @@ fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
     }
 }
 
+/// Largest movement of each physical axis when the tables are switched, all base axes at their
+/// worst place: a bound, not a place. Backlash parameters are not switched with the tables, but what a
+/// table holds for one direction is (3627 on Fanuc).
+fn switching(made: &Made<'_>) -> Emulated<Vec<String>> {
+    let (names, tables) = (&made.plan.names, &made.plan.tables);
+    let mut state = made.compiled.state.clone();
+    state.axes.iter_mut().for_each(|axis| axis.backlash_um = 0.0);
+    let control = emulator(&made.inputs.profile, &made.compiled.tables, &state)?;
+    let has_table = |term: ErrorTerm| tables.iter().any(|table| table.term == term);
+    let field = Field::of(names, control.as_ref(), has_table)?;
+    let axes = &made.inputs.job.machine.axes;
+    let references = PerAxis::from_fn(|axis| axes[axis].map(|own| own.reference));
+    let zeros = PerAxis::from_fn(|axis| references[axis].map_or(0.0, Millimetres::mm));
+    let line = |of: Axis| {
+        let (mut anywhere, mut at_reference) = (0.0, 0.0);
+        for along in Axis::ALL {
+            let term = ErrorTerm { of, along };
+            let ways = Direction::BOTH.into_iter().filter(|_| has_table(term));
+            let ways = ways.flat_map(|direction| field.ways(term, direction));
+            let ends = ways.map(|way| extremes(way, references[along]));
+            let (largest, there) =
+                ends.fold((0.0, 0.0), |all, of| (f64::max(all.0, of.0), f64::max(all.1, of.1)));
+            anywhere += largest;
+            at_reference += there;
+        }
+        let swing = |at: Option<PerAxis<f64>>| {
+            names[of].iter().map(|name| control.swing(name, at).abs()).fold(0.0, f64::max)
+        };
+        anywhere += swing(None);
+        at_reference += swing(Some(zeros));
+        format!(
+            "{}: at most {at_reference:.3} µm at the reference point, up to {anywhere:.1} µm elsewhere",
+            made.axes(of)
+        )
+    };
+    let moved = Axis::ALL.into_iter().filter(|axis| tables.iter().any(|t| t.term.of == *axis));
+    Ok(moved.map(line).collect())
+}
+
+/// Largest |correction| at the nodes of all tables, between which it is no larger, and at the
+/// reference.
+fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
+    let at = |place: Millimetres| response.correction(place).um().abs();
+    let there = reference.map_or(0.0, at);
+    let nodes = response.tables().iter().flat_map(|table| table.nodes());
+    let largest = nodes.map(|(place, _)| at(place)).fold(there, f64::max);
+    (largest, there)
+}
+
 /// Where each term goes: what is overwritten.
 fn places(made: &Made<'_>) -> Listed {
     let placements = made.compiled.placements.iter();
@@ -189,8 +242,7 @@ fn preconditions(compiled: &Compiled) -> Listed {
     };
     let why = |(what, p): &Shared<'_>| format!("{what}: {} *({})*", p.why, p.source);
     let boxed = of(SeenTo::Boxed).map(|own| format!("{BOX} {}", danger(own)));
-    let items = of(SeenTo::Danger).map(danger).chain(boxed);
-    let items = items.chain(of(SeenTo::Entered).map(item));
+    let items = of(SeenTo::Danger).map(danger).chain(boxed).chain(of(SeenTo::Entered).map(item));
     let notes = of(SeenTo::Before).map(must);
     let notes = notes.chain(of(SeenTo::Danger).chain(of(SeenTo::Boxed)).map(source));
     Listed {
@@ -214,8 +266,7 @@ fn entered(compiled: &Compiled, how: impl Fn(&Precondition) -> String) -> Vec<St
 
 /// What is assumed of the control and matters for this kit: at the step what has to be decided, with a box each.
 fn assumptions(compiled: &Compiled) -> Listed {
-    let list = compiled.assumptions.iter();
-    let list = list.filter(|a| a.without_effect.is_none());
+    let list = compiled.assumptions.iter().filter(|a| a.without_effect.is_none());
     let (open, known): (Vec<&Assumption>, Vec<&Assumption>) = list.partition(|a| a.to_decide);
     let decide =
         |a: &&Assumption| format!("{BOX} **DECIDE,** assumed: {}; found: {BLANK}", a.words());
@@ -223,4 +274,161 @@ fn assumptions(compiled: &Compiled) -> Listed {
         items: open.iter().map(decide).collect(),
         notes: known.iter().map(|a| a.words()).collect(),
     }
+}
+
+// Rollback: exactly what was read out of the control, for all that the kit changes.
+//
+// ```text
+//   files read out ─→ Held ─┐
+//   what the kit overwrites ┴→ held? ─ all ──→ rollback files ─→ read back ─→ equal?
+//   what it switches,       │          part ─→ the same, the rest named: by hand
+//   what a precondition     │
+//   changes ────────────────┘
+// ```
+// Nothing is invented, and what acted is not asked: a table that was switched off and a set that
+// was not in use are old values like any other. Where the read-out does not hold every table,
+// point and parameter that the files overwrite, there is no rollback file, and what is missing is
+// named. Zeros are not a rollback.
+
+/// What a kit writes for the rollback, and what it leaves to a person.
+#[derive(Default)]
+struct Rollback {
+    files: Vec<RenderedFile>,
+    /// Why there is no file, or what the files do not restore.
+    not_written: Vec<Finding>,
+    /// What a person does and sees after the files were loaded.
+    by_hand: Vec<Finding>,
+}
+
+impl Rollback {
+    fn none(why: InRollback) -> Rollback {
+        Rollback { not_written: vec![why.into()], ..Rollback::default() }
+    }
+
+    /// That the files do not restore everything, for text and manifest.
+    fn note(&self) -> Option<KitFinding> {
+        let left = self.not_written.len();
+        (!self.files.is_empty() && left > 0).then_some(KitFinding::LeftToAPerson { left })
+    }
+}
+
+/// Makes the rollback files of a kit.
+fn rollback(made: &Made<'_>) -> Result<Rollback, Problems> {
+    let inputs = made.inputs;
+    let wanted = |role: Role| inputs.profile.files.iter().any(|f| f.role == role);
+    if !wanted(Role::Rollback) {
+        return Ok(Rollback::default());
+    }
+    let (task, active) = (inputs.task(), inputs.active.as_ref());
+    let before = active.and_then(|active| Before::of(task, &made.plan, &made.compiled, active));
+    let Some(before) = before else {
+        return Ok(Rollback::none(match active.map(|active| (active, &active.origin)) {
+            Some((active, Origin::Kit { .. })) => InRollback::OfAKit { path: active.path.clone() },
+            _ => InRollback::NothingReadOut,
+        }));
+    };
+    let old = match family(&inputs.profile.dialect).old(&before) {
+        Ok(old) => old,
+        Err(missing) => return Ok(Rollback::none(InRollback::Incomplete { missing })),
+    };
+    before.written(&old, &made.templates)
+}
+
+impl Before<'_> {
+    /// The files, read back, with what they do not do.
+    fn written(&self, old: &Old, templates: &Templates) -> Result<Rollback, Problems> {
+        let emitted = Emitted {
+            tables: &old.tables,
+            placements: &[],
+            notice: Some("ROLLBACK: values as read out of the control before this kit"),
+            as_read: true,
+            switches: old.data.iter().map(switch).collect(),
+            ..Emitted::of_kit(self.task, self.compiled)
+        };
+        let files = emit::render_those(templates, &emitted, |file| file.role == Role::Rollback)?;
+        let read = read_apart(self.task.profile, &as_read(&files), Role::Rollback);
+        if !read.is_ok_and(|read| is_same(old, &read)) {
+            return Ok(Rollback::none(InRollback::OtherForm));
+        }
+        let unknown = old.unknown.iter().map(|of| (of.what.clone(), of.by == ChangedBy::File));
+        let look = unknown.clone().map(|(what, by_file)| InRollback::Look { what, by_file });
+        let by_hand = unknown.map(|(what, by_file)| InRollback::BringBack { what, by_file });
+        let stays = old.stays.iter().cloned().map(|table| InRollback::Stays { table });
+        let by_hand = by_hand.chain(stays).chain(way_back(self));
+        Ok(Rollback {
+            files,
+            not_written: look.map(Finding::from).collect(),
+            by_hand: by_hand.map(Finding::from).collect(),
+        })
+    }
+}
+
+fn is_same(old: &Old, read: &ReadBack) -> bool {
+    let data: Vec<&MachineDatum> = read.machine_data.iter().flat_map(|f| &f.data).collect();
+    read.tables == old.tables && read.unwritten.is_empty() && data.iter().copied().eq(&old.data)
+}
+
+fn switch(datum: &MachineDatum) -> Switch {
+    let (name, indices) = datum.variable.split_once('[').unwrap_or((&*datum.variable, ""));
+    Switch {
+        name: name.trim_start_matches('$').to_string(),
+        indices: indices.trim_end_matches(']').to_string(),
+        value: match &datum.value {
+            MachineValue::Number(number) => number.to_string(),
+            MachineValue::Text(text) => format!("({text})"),
+        },
+    }
+}
+
+/// Movements below it are none, µm.
+const NOTHING_UM: f64 = 1e-3;
+
+/// Each physical axis that the old tables hold off zero at the reference point.
+///
+/// unit   µm, with the side it moves to · limits all axes at the reference point; the tables that
+///        acted, not those that were switched off
+fn way_back(before: &Before<'_>) -> Vec<InRollback> {
+    let (profile, active) = (before.task.profile, before.active);
+    let moved = emulator(profile, &active.tables, &active.state)
+        .and_then(|control| moved(before, control.as_ref()));
+    moved.unwrap_or_else(|reason| vec![InRollback::MovementUnknown { reason: reason.0 }])
+}
+
+fn moved(before: &Before<'_>, control: &dyn Emulator) -> Emulated<Vec<InRollback>> {
+    let (names, axes) = (&before.plan.names, &before.task.job.machine.axes);
+    let field = Field::of(names, control, |term| axes[term.along].is_some())?;
+    // What an axis adds to another at its reference, having come from the reference return.
+    let added = |(term, pair): (ErrorTerm, &Pair)| {
+        let machine = axes[term.along].as_ref()?;
+        let tables = pair.way(machine.homing()).tables().iter();
+        Some(tables.map(|table| table.correction(machine.reference).um()).sum::<f64>())
+    };
+    let moved = Axis::ALL.into_iter().flat_map(|of| names[of].iter().map(move |name| (of, name)));
+    let moved = moved.filter_map(|(axis, name)| {
+        let own = field.pairs().filter(|(term, pair)| term.of == axis && pair.output == *name);
+        let um: f64 = own.filter_map(added).sum();
+        (um.abs() > NOTHING_UM).then(|| InRollback::MovesAtReference {
+            axis,
+            name: name.clone(),
+            um,
+        })
+    });
+    Ok(moved.collect())
+}
+
+/// Rollback files of a directory against what the job's read-out holds.
+fn rollback_differs(
+    asked: &Asked<'_>,
+    files: &[KitFile<'_>],
+) -> Result<Option<FieldFault>, Problems> {
+    let Asked { inputs, plan, compiled } = asked;
+    if !files.iter().any(|file| file.role == Role::Rollback) {
+        return Ok(None);
+    }
+    let read = read_apart(&inputs.profile, files, Role::Rollback)?;
+    let active = inputs.active.as_ref();
+    let before = active.and_then(|active| Before::of(inputs.task(), plan, compiled, active));
+    let old = before.and_then(|before| family(&inputs.profile.dialect).old(&before).ok());
+    let same = old.is_some_and(|old| is_same(&old, &read));
+    Ok((!same).then_some(FieldFault::OtherRollback))
 }

@@ -1,21 +1,41 @@
 //! What a kit is made from, and what has to be known about its tables.
 
-use crate::control::controller::Profile;
+use crate::control::controller::{Profile, Role};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Compensation, Job};
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
 use crate::judge::forecast::{Forecast, Machine};
-use crate::kit::manifest::HashedFile;
 use crate::kit::visit_plan::Judged;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::{Finding, Problem, Problems, Severity, grouped, joined};
+use crate::text::{Finding, Problem, Problems, Severity, grouped, joined, sha256};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task, plan};
+use serde::Serialize;
+
+/// A file with its hash.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct HashedFile {
+    /// Path: of an input as the job names it, of an output inside the kit.
+    pub path: String,
+    /// What it is for; inputs have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub role: Option<Role>,
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: String,
+    /// The input that was made from it and states its hash, e.g. an imported error table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub through: Option<String>,
+}
+
+/// Hash of an input.
+pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
+    HashedFile { path: path.to_string(), role: None, sha256: sha256(bytes), through: None }
+}
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]
@@ -128,8 +148,7 @@ impl Inputs {
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
         let interpolated =
             family(&self.profile.dialect).take_interpolation(&mut self.job, &self.profile, &active);
-        let notes = notes.into_iter().chain(interpolated);
-        let notes = notes.map(Finding::from);
+        let notes = notes.into_iter().chain(interpolated).map(Finding::from);
         self.active_notes = active.findings.iter().cloned().chain(notes).collect();
         self.active = Some(active);
         Ok(self)

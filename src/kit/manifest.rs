@@ -3,17 +3,21 @@
 //! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
 
 use crate::control::claims::{Assumption, Precondition};
-use crate::control::control_state::{AxisState, ControlState};
+use crate::control::control_state::ControlState;
+use crate::control::controller::ControlUnit;
 use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::{Change, Forecast};
+use crate::kit::field::Shown;
+pub use crate::kit::inputs::{HashedFile, hashed};
 use crate::kit::visit_plan::WhatDecides;
-use crate::quantity::{ErrorTerm, Millimetres, picometres};
+use crate::quantity::{Direction, ErrorTerm, Millimetres, picometres};
 use crate::text::{Finding, Named, Problem, plain, refuse_large_page, sha256};
 use crate::write::compensation::Placement;
 use crate::write::target::Omission;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
@@ -47,7 +51,7 @@ fn round_figures(document: &mut Value, is_figure: bool) {
     match document {
         Value::Number(number) if number.is_f64() => {
             let round = |number| if is_figure { picometres(number) } else { number + 0.0 };
-            *document = json!(number.as_f64().map(round));
+            *document = number.as_f64().map(round).into();
         }
         Value::Array(items) => items.iter_mut().for_each(|item| round_figures(item, is_figure)),
         Value::Object(fields) => fields.iter_mut().for_each(|(key, value)| {
@@ -70,26 +74,6 @@ pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
         Ok(Cow::Owned(escaped)) => escaped.into_bytes(),
         _ => page,
     })
-}
-
-/// A file with its hash.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct HashedFile {
-    /// Path: of an input as the job names it, of an output inside the kit.
-    pub path: String,
-    /// What it is for; inputs have none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub role: Option<&'static str>,
-    /// SHA-256 of its bytes, in hexadecimal digits.
-    pub sha256: String,
-    /// The input that was made from it and states its hash, e.g. an imported error table.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub through: Option<String>,
-}
-
-/// Hash of an input.
-pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
-    HashedFile { path: path.to_string(), role: None, sha256: sha256(bytes), through: None }
 }
 
 /// The tables that a kit follows: a link of the chain that `nonius history` prints.
@@ -153,12 +137,12 @@ pub struct Manifest {
     /// Where each term went.
     pub tables: Vec<Placement>,
     /// The state of the control outside the files that the tables are made for.
-    pub state: Value,
+    pub state: State,
     /// Machine and protocol, as stated in the job.
-    pub machine: Value,
+    pub machine: Machine,
     /// What each sign proof has to show, computed from the bytes of its file; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub sign_proofs: Vec<Value>,
+    pub sign_proofs: Vec<Shown>,
     /// What keeps a limit from being decided, and what would decide it; absent where it passes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub what_decides: Option<WhatDecides>,
@@ -169,22 +153,49 @@ pub struct Manifest {
     pub notes: Vec<Finding>,
 }
 
-/// The state of the control as JSON: what an update compares with its job. `backlash_um` gives the
-/// backlash parameter of an axis where the kit knows it.
-pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> Value {
-    let axis = |axis: &AxisState| {
-        json!({
-            "name": axis.name,
-            "reference_mm": axis.reference,
-            "reference_direction": axis.reference_direction,
-            "detection_unit_um": axis.detection_unit_um,
-            "backlash_um": backlash_um(&axis.name),
-            "bidirectional": axis.bidirectional,
-            "interpolated": axis.interpolated,
-        })
-    };
-    let axes: Vec<Value> = state.axes.iter().map(axis).collect();
-    json!({ "unit": state.unit.word(), "axes": axes })
+/// The state of the control: what an update compares with its job.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct State {
+    unit: ControlUnit,
+    axes: Vec<AxisOfState>,
+}
+
+/// An axis of it; its backlash parameter where the kit knows it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct AxisOfState {
+    name: String,
+    reference_mm: Millimetres,
+    reference_direction: Direction,
+    detection_unit_um: Option<f64>,
+    backlash_um: Option<f64>,
+    bidirectional: bool,
+    interpolated: bool,
+}
+
+impl State {
+    /// Of a control; `backlash_um` gives the backlash parameter of an axis.
+    pub fn of(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> State {
+        let axes = state.axes.iter().map(|axis| AxisOfState {
+            name: axis.name.clone(),
+            reference_mm: axis.reference,
+            reference_direction: axis.reference_direction,
+            detection_unit_um: axis.detection_unit_um,
+            backlash_um: backlash_um(&axis.name),
+            bidirectional: axis.bidirectional,
+            interpolated: axis.interpolated,
+        });
+        State { unit: state.unit, axes: axes.collect() }
+    }
+}
+
+/// The machine, and who measured it when and how.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Machine {
+    pub(super) name: String,
+    pub(super) serial: Option<String>,
+    pub(super) chain: Option<String>,
+    pub(super) measured: Option<String>,
+    pub(super) protocol: BTreeMap<String, String>,
 }
 
 /// A forecast with the keys of the manifest.

@@ -6,103 +6,140 @@
 
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::program::ProgramFacts;
-use crate::control::controller::{Evidence, Profile};
-use crate::inputs::job::{Job, ProgramRequest, TargetGrid};
+use crate::control::controller::{ControlUnit, Evidence, Profile};
+use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
 use crate::kit::sha256;
 use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis, rounded};
 use crate::read::program::positions::{
-    self as readback_positions, Named, Position, form_differences,
+    self as readback_positions, Named as SetUp, Position, form_differences,
 };
 use crate::read::program::walk::{Bounds, Walked, walk};
 use crate::read::program::{Cancelled, OwnWords, read};
-use crate::text::{Problem, Problems};
+use crate::text::{Finding, Named, Problem, Problems};
 use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
 use crate::write::emit::{TOOL, other_letters};
 use crate::write::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
-use serde_json::{Value, json};
+use serde::Serialize;
 
-/// Programs and positions of a run, judged.
-#[derive(Clone, Debug)]
+/// Programs and positions of a run, judged; as a document it is `manifest.json`, and what `--format json` prints.
+#[derive(Clone, Debug, Serialize)]
 pub struct ProgramKit {
-    /// What was planned.
-    pub run: MeasuringRun,
-    /// What the job asks for.
-    pub request: ProgramRequest,
-    /// The programs, the positions, the readings to be filled in.
-    pub files: Vec<ProgramFile>,
+    schema: u32,
+    tool: &'static str,
+    /// Id of the profile.
+    controller: String,
+    what: RunType,
+    unit: ControlUnit,
+    overrun: Option<bool>,
+    /// What went in.
+    inputs: Vec<HashedFile>,
+    #[serde(rename = "files")]
+    listed: Vec<Listed>,
+    /// How many readings are taken.
+    pub readings: usize,
+    duration_s: f64,
+    reach_mm: Named<&'static str, (f64, f64)>,
+    mirror_mm: Option<Mirror>,
     /// Facts of the profile that nobody has shown yet.
     pub assumptions: Vec<Assumption>,
     /// What a person has to see to.
     pub preconditions: Vec<Precondition>,
-    /// Id of the profile.
-    controller: String,
-    /// What went in.
-    inputs: Vec<HashedFile>,
+    /// What to know of the run.
+    pub notes: Vec<Finding>,
+    /// What was planned.
+    #[serde(skip)]
+    pub run: MeasuringRun,
+    /// What the job asks for.
+    #[serde(skip)]
+    pub request: ProgramRequest,
+    /// The programs, the positions, the readings to be filled in.
+    #[serde(skip)]
+    pub files: Vec<ProgramFile>,
+}
+
+/// A file of the list; positions and readings belong to no single program.
+#[derive(Clone, Debug, Serialize)]
+struct Listed {
+    path: String,
+    role: FileRole,
+    of: Option<String>,
+    readings: Option<usize>,
+    sha256: String,
+}
+
+impl Listed {
+    fn of((file, program): (&ProgramFile, Option<&SetUpProgram>)) -> Listed {
+        Listed {
+            path: file.path.clone(),
+            role: file.role,
+            of: program.map(|program| program.subject.name()),
+            readings: program.map(|program| program.readings.len()),
+            sha256: sha256(&file.bytes),
+        }
+    }
+}
+
+/// Sizes on the mirror, to a micrometre.
+#[derive(Clone, Debug, Serialize)]
+struct Mirror {
+    after_first_move: f64,
+    after_second_move: f64,
+    farthest: f64,
+    circle: f64,
+}
+
+impl From<MirrorSize> for Mirror {
+    fn from(size: MirrorSize) -> Mirror {
+        let [after_first_move, after_second_move] = size.excursion_mm.map(|mm| rounded(mm, 3));
+        let [farthest, circle] = [size.farthest_mm, size.circle_mm].map(|mm| rounded(mm, 3));
+        Mirror { after_first_move, after_second_move, farthest, circle }
+    }
 }
 
 impl ProgramKit {
-    /// How many readings are taken.
-    pub fn readings(&self) -> usize {
-        self.run.programs.iter().map(|p| p.readings.len()).sum()
-    }
-
     /// The same without readings to be filled in: there is a table for them already.
     pub(crate) fn without_form(mut self) -> ProgramKit {
         self.files.retain(|file| file.role != FileRole::Readings);
+        self.listed.retain(|file| file.role != FileRole::Readings);
         self
     }
 
     /// The bytes of `manifest.json`.
     pub(crate) fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes_of_kit(&self.manifest())?)
-    }
-
-    /// The document of `manifest.json` and of `--format json`.
-    pub fn manifest(&self) -> Value {
-        let ProgramKit { run, request, .. } = self;
-        let files = self.files.iter().enumerate();
-        let files = files.map(|(index, file)| file_json(file, run.programs.get(index)));
-        let reach = Axis::ALL.into_iter().filter_map(|axis| {
-            let (low, high) = run.reach_mm(axis)?;
-            Some((axis.key().to_string(), json!([low, high])))
-        });
-        json!({
-            "schema": SCHEMA,
-            "tool": TOOL,
-            "controller": self.controller,
-            "what": request.what.word(),
-            "unit": run.resolution.unit.word(),
-            "overrun": request.runs_over(),
-            "inputs": self.inputs,
-            "files": files.collect::<Vec<_>>(),
-            "readings": self.readings(),
-            "duration_s": run.duration_s(request).round(),
-            "reach_mm": reach.collect::<serde_json::Map<_, _>>(),
-            "mirror_mm": run.mirror.map(mirror),
-            "assumptions": self.assumptions,
-            "preconditions": self.preconditions,
-            "notes": run.notes,
-        })
+        Ok(manifest::bytes_of_kit(self)?)
     }
 }
 
 /// Makes and judges the programs that a job asks for.
 pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<ProgramKit, Problems> {
     let task = RunTask::of(job, profile)?;
-    let mut run = plan(task)?;
-    run.notes.extend(other_letters(job, &profile.name));
+    let run = plan(task)?;
     let mut files = programs(task, &run)?;
     files.push(positions(&run));
     files.extend(readings_to_fill(&run));
     let walked = judge(task, &files)?;
+    let request = task.request.clone();
+    let programs = run.programs.iter().map(Some).chain(std::iter::repeat(None));
+    let reach = Axis::ALL.into_iter().filter_map(|axis| Some((axis.key(), run.reach_mm(axis)?)));
     Ok(ProgramKit {
-        request: task.request.clone(),
+        schema: SCHEMA,
+        tool: TOOL,
+        controller: profile.id.clone(),
+        what: request.what,
+        unit: run.resolution.unit,
+        overrun: request.runs_over(),
+        inputs: inputs.to_vec(),
+        listed: files.iter().zip(programs).map(Listed::of).collect(),
+        readings: run.programs.iter().map(|program| program.readings.len()).sum(),
+        duration_s: run.duration_s(&request).round(),
+        reach_mm: reach.collect(),
+        mirror_mm: run.mirror.map(Mirror::from),
         assumptions: assumptions(task),
         preconditions: preconditions(task.facts, &walked),
-        controller: profile.id.clone(),
-        inputs: inputs.to_vec(),
+        notes: [run.notes.clone(), other_letters(job, &profile.name)].concat(),
         run,
+        request,
         files,
     })
 }
@@ -197,26 +234,6 @@ fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
     all.map(|[what, value, why, source]| Precondition::new(what, value, why, source)).collect()
 }
 
-/// A file of the list; positions and readings belong to no single program.
-fn file_json(file: &ProgramFile, program: Option<&SetUpProgram>) -> Value {
-    json!({
-        "path": file.path,
-        "role": file.role.word(),
-        "of": program.map(|program| program.subject.name()),
-        "readings": program.map(|program| program.readings.len()),
-        "sha256": sha256(&file.bytes),
-    })
-}
-
-fn mirror(size: MirrorSize) -> Value {
-    json!({
-        "after_first_move": rounded(size.excursion_mm[0], 3),
-        "after_second_move": rounded(size.excursion_mm[1], 3),
-        "farthest": rounded(size.farthest_mm, 3),
-        "circle": rounded(size.circle_mm, 3),
-    })
-}
-
 /// What differs between the rows and what the job asks for, one sentence each; empty = nothing.
 /// Diagonals are compared with the nodes that `separate` will expect.
 fn position_differences(rows: &[Position], task: RunTask<'_>) -> Vec<String> {
@@ -241,14 +258,14 @@ fn position_differences(rows: &[Position], task: RunTask<'_>) -> Vec<String> {
     (read != wanted).then_some(count).into_iter().chain(wrong).take(MOST + 1).collect()
 }
 
-type Key = (Named, u32, Pass, usize);
+type Key = (SetUp, u32, Pass, usize);
 
 /// Diagonal, run, direction and node of every reading in the order of the files of readings.
 fn order(request: &ProgramRequest) -> Vec<Key> {
     let volume = &request.volume;
-    let (set_ups, last): (Vec<Named>, usize) = match request.what.path() {
-        Some(kind) => (Diagonal::ALL.map(Named::Diagonal).to_vec(), volume.last_node(kind)),
-        None => (request.axes.iter().copied().map(Named::Axis).collect(), volume.steps),
+    let (set_ups, last): (Vec<SetUp>, usize) = match request.what.path() {
+        Some(kind) => (Diagonal::ALL.map(SetUp::Diagonal).to_vec(), volume.last_node(kind)),
+        None => (request.axes.iter().copied().map(SetUp::Axis).collect(), volume.steps),
     };
     let back = (0..=last).rev().filter(|_| request.bidirectional);
     let there = (0..=last).map(|node| (Pass::Forward, node));
@@ -263,7 +280,7 @@ fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
     let (request, digit_mm) = (task.request, task.resolution().digit_mm());
     let close = |a: f64, b: f64, slack: f64| (a - b).abs() <= slack;
     match (row.of, request.what.path()) {
-        (Named::Diagonal(diagonal), Some(kind)) => {
+        (SetUp::Diagonal(diagonal), Some(kind)) => {
             let place = request.volume.place(diagonal, kind, row.node);
             let nominal = request.volume.nominal_mm(diagonal, kind, row.node);
             let moved =
@@ -272,7 +289,7 @@ fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
                 && close(row.nominal_mm, nominal, 1e-6)
                 && place.iter().all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
         }
-        (Named::Axis(axis), None) => {
+        (SetUp::Axis(axis), None) => {
             let equal = request.volume.start[axis].mm() + request.volume.along_mm(axis, row.node);
             let step = request.volume.step_mm(axis);
             let slack = match request.targets {

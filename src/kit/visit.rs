@@ -17,6 +17,7 @@ use crate::inputs::job::keys;
 use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis, pitch};
 use crate::text::{Problem, Problems, joined};
 use crate::write::emit::{TOOL, filled};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -107,7 +108,8 @@ impl Visit<'_> {
     pub fn begun(&self) -> Result<Begun, Problems> {
         let axes = Axis::ALL.map(Axis::key);
         let linear = self.readings.then_some(&axes[..]);
-        let (table, programs) = ((self.readings, self.table()), self.has_programs());
+        let table = if self.readings { self.nodes() } else { self.positions() };
+        let (table, programs) = ((self.readings, table), self.has_programs());
         Ok(Begun::of(self.job()?, table, linear, programs, Some(self.steps()))?)
     }
 
@@ -150,12 +152,10 @@ impl Visit<'_> {
             let help = "add them as `[[job]]` (docs/own-control.md section 3), or build it on a built-in one with `based_on`";
             return Err(Problem::new(words).help(help).into());
         }
-        let axes = Axis::ALL.map(|axis| {
-            json!({
-                "name": axis.key(),
-                "machine": self.lines(JobSection::MachineAxes, Some(axis)),
-                "compensation": self.lines(JobSection::CompensationAxes, Some(axis)),
-            })
+        let axes = Axis::ALL.map(|axis| OfAxis {
+            name: axis.key(),
+            machine: self.lines(JobSection::MachineAxes, Some(axis)),
+            compensation: self.lines(JobSection::CompensationAxes, Some(axis)),
         });
         let [start, size] = if self.readings { self.box_of_run()? } else { Default::default() };
         let context = json!({
@@ -179,8 +179,7 @@ impl Visit<'_> {
 
     /// The lines of the profile's keys in one section.
     fn lines(&self, section: JobSection, axis: Option<Axis>) -> Vec<String> {
-        let keys = self.profile.job_keys.iter();
-        let keys = keys.filter(|key| key.section == section);
+        let keys = self.profile.job_keys.iter().filter(|key| key.section == section);
         keys.map(|key| self.line(key, axis)).collect()
     }
 
@@ -216,14 +215,7 @@ impl Visit<'_> {
         Ok([place(&start), place(&size)])
     }
 
-    /// The table with its values empty.
-    fn table(&self) -> String {
-        match self.readings {
-            true => self.nodes(),
-            false => self.positions(),
-        }
-    }
-
+    /// The error table with its values empty.
     fn positions(&self) -> String {
         let at = |axis, step| {
             let part = self.length(axis) * f64::from(step) / f64::from(self.steps());
@@ -236,6 +228,7 @@ impl Visit<'_> {
         })
     }
 
+    /// The same of the readings.
     fn nodes(&self) -> String {
         let last = 3 * self.steps();
         let forward = (0..=last).map(|node| (Pass::Forward, node));
@@ -252,6 +245,14 @@ impl Visit<'_> {
         }
         text
     }
+}
+
+/// The lines of a job that an axis has of its own.
+#[derive(Serialize)]
+struct OfAxis {
+    name: &'static str,
+    machine: Vec<String>,
+    compensation: Vec<String>,
 }
 
 /// An error table without values: rows for the positions of each axis, mm, in each way.

@@ -24,6 +24,7 @@ use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::{ErrorTerm, Figure};
 use crate::text::{Problems, escaped, plain};
 use crate::write::emit::{TOOL, Templates};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -94,6 +95,24 @@ pub struct Visit {
     pub without_volume: Vec<String>,
     /// The files of runs of one axis.
     pub linear: Vec<String>,
+}
+
+/// What the job states of the visit, under its name.
+#[derive(Serialize)]
+struct Stated {
+    label: String,
+    value: String,
+}
+
+/// The verdict: its word and what it is of, the limits, why, what would decide it.
+#[derive(Serialize)]
+struct Answer {
+    kind: &'static str,
+    word: String,
+    of: String,
+    asked: Vec<String>,
+    because: Vec<String>,
+    decides: Vec<String>,
 }
 
 /// The name of the document of a file of runs, counted from 1.
@@ -252,7 +271,7 @@ impl Report<'_> {
 
     /// What stands at the head: known keys of the protocol under their names, an empty line for those
     /// that every visit has, then all others as they are stated.
-    fn visit(&self) -> Vec<Value> {
+    fn visit(&self) -> Vec<Stated> {
         const ALWAYS: [&str; 3] = ["by", "instrument", "temperature_c"];
         let machine = &self.job.machine;
         let protocol = &self.job.measurement.protocol;
@@ -260,8 +279,7 @@ impl Report<'_> {
             let mut own = protocol.iter().filter(|(own, _)| own == key);
             self.both(key, own.next().map(|(_, value)| value.as_str()))
         };
-        let line =
-            |label: String, value: String| json!({ "label": label, "value": escaped(&value) });
+        let line = |label: String, value: String| Stated { label, value: escaped(&value) };
         let mut lines = vec![
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
@@ -278,7 +296,7 @@ impl Report<'_> {
         lines
     }
 
-    fn verdict(&self) -> Value {
+    fn verdict(&self) -> Answer {
         let word = match self.visit.verdict.map(Verdict::word) {
             None => "as_found",
             Some("pass") if self.job.acceptance.asks_nothing() => "nothing_asked",
@@ -289,17 +307,17 @@ impl Report<'_> {
             (false, true) => "of_measurement",
             (false, false) => "of_forecast",
         };
-        json!({
-            "kind": if self.visit.is_measured || word != "pass" { word } else { "forecast" },
-            "word": match of == "of_forecast" && word != "nothing_asked" {
+        Answer {
+            kind: if self.visit.is_measured || word != "pass" { word } else { "forecast" },
+            word: match of == "of_forecast" && word != "nothing_asked" {
                 true => self.fill("forecast_word", [("verdict", self.t(word))]),
                 false => self.t(word),
             },
-            "of": self.t(of),
-            "asked": self.asked(),
-            "because": self.because(),
-            "decides": self.decides(),
-        })
+            of: self.t(of),
+            asked: self.asked(),
+            because: self.because(),
+            decides: self.decides(),
+        }
     }
 
     /// What never leaves the first page: a rehearsal, a sign that is only assumed.
@@ -309,8 +327,7 @@ impl Report<'_> {
         let assumed = is_assumed.then(|| self.t("sign_assumed"));
         let date = self.after("date");
         let date = date.map_or_else(String::new, |date| format!(" ({})", escaped(date)));
-        let shown = self.visit.is_sign_shown;
-        let shown = shown.then(|| self.fill("sign_shown", [("date", date)]));
+        let shown = self.visit.is_sign_shown.then(|| self.fill("sign_shown", [("date", date)]));
         simulated.into_iter().chain(assumed).chain(shown).collect()
     }
 

@@ -1,8 +1,7 @@
 //! Pictures as SVG: the only place that knows lengths on paper.
 
-use super::locale::Locale;
+use super::locale::{Locale, Ticks, count};
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::{Ticks, count};
 use crate::quantity::{Figure, smaller};
 use crate::text::escaped;
 use std::fmt::Write;

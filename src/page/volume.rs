@@ -1,9 +1,8 @@
 //! The errors in the volume: vectors in a fixed isometric view, how pairs of places differ, and what
 //! each error contributes.
 
-use crate::page::locale::Locale;
+use crate::page::locale::{Locale, below, count};
 use crate::page::picture::{Ink, Mark, Panel, Picture, Scale, at_one_height};
-use crate::page::scale::{below, count};
 use crate::quantity::{Axis, PerAxis, larger};
 use crate::volume::assessment::Assessment;
 use crate::volume::volume_model::VolumeModel;

@@ -14,8 +14,7 @@ use crate::text::Problem;
 use crate::volume::definitions::{Definitions, definitions};
 use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
 use crate::volume::space::histogram;
-use crate::volume::space::histogram::{Tolerance, grouping};
-use crate::volume::space::sample::{Estimate, estimate};
+use crate::volume::space::histogram::{Estimate, Tolerance, estimate, grouping};
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
 use serde::Serialize;
 
@@ -122,7 +121,7 @@ pub struct Assessment {
 
 /// Judges a volume at the nodes of a grid, the same for all machines that are to be compared.
 pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Assessment, Problem> {
-    let nodes = grid.nodes();
+    let nodes = &grid.nodes;
     let map = model.map(nodes).ok_or_else(no_map)?;
     let definitions = definitions(model, &map);
     let windows = request.window_mm.map(|size| windows(model, grid, size));
@@ -292,16 +291,6 @@ impl Grid {
         }
         Ok(Grid { nodes, measured })
     }
-
-    /// The nodes.
-    pub fn nodes(&self) -> &Nodes {
-        &self.nodes
-    }
-
-    /// The nodes of the machine as it is.
-    pub fn measured(&self) -> &Nodes {
-        &self.measured
-    }
 }
 
 /// Volumetric accuracy of every sub-volume of a size.
@@ -346,7 +335,7 @@ const WHOLE: f64 = 1e-6;
 
 fn windows(model: &VolumeModel, grid: &Grid, size_mm: PerAxis<f64>) -> Result<Windows, Problem> {
     let fits = |nodes| Ok((nodes, nodes_of(nodes, size_mm)?));
-    let (nodes, counts) = fits(grid.nodes()).or_else(|_: Problem| fits(grid.measured()))?;
+    let (nodes, counts) = fits(&grid.nodes).or_else(|_: Problem| fits(&grid.measured))?;
     let places_mm = PerAxis::from_fn(|axis| {
         let last = nodes[axis].len() + 1 - counts[axis];
         nodes[axis][..last].to_vec()

@@ -8,7 +8,7 @@
 //! ```text
 //! curves at the nodes ─→ grid_map ─┬─→ diameter: volumetric accuracy, its pair, every sub-volume of a size
 //!                                  ├─→ boxes: error of a length, ranges, largest from a place
-//!                                  ├─→ histogram: all differences (sample: an estimate)
+//!                                  ├─→ histogram: all differences, or an estimate of them
 //!                                  └─→ grouping: the method of paper 002, for comparison
 //! places without a grid ───────────→ cloud
 //! ```
@@ -22,12 +22,8 @@ pub mod grid_map;
 
 pub mod pair;
 
-mod sight;
-
 pub mod diameter;
 
 pub mod boxes;
 
 pub mod histogram;
-
-pub mod sample;

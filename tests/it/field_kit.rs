@@ -56,6 +56,12 @@ fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
     made.unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
+/// What each sign proof has to show, as the manifest has it.
+fn proofs_of(kit: &Kit) -> Vec<Value> {
+    let proofs = kit.manifest.sign_proofs.iter();
+    proofs.map(|proof| serde_json::to_value(proof).unwrap()).collect()
+}
+
 fn term_of(proof: &Value) -> ErrorTerm {
     support::term(proof["term"].as_str().unwrap())
 }
@@ -143,7 +149,7 @@ fn ensure_contract(id: &str) {
     for seed in 0..machines() {
         let machine = machine(&profile, seed);
         let (inputs, kit) = support::generate(&machine.job, &machine.csv);
-        let proofs = &kit.manifest.sign_proofs;
+        let proofs = &proofs_of(&kit);
         let unproved = unproved(&kit);
         assert!(proofs.len() + unproved > 0, "{id} {seed}: neither a proof nor a reason");
         let names = proofs.iter().flat_map(|p| p["files"].as_array().unwrap());
@@ -333,8 +339,8 @@ fn the_limit_of_the_sum_lets_the_bump_through() {
 }
 
 /// The bump of a straightness, which is 20 µm high.
-fn cross_proof(kit: &Kit) -> &Value {
-    let mut proofs = kit.manifest.sign_proofs.iter();
+fn cross_proof(kit: &Kit) -> Value {
+    let mut proofs = proofs_of(kit).into_iter();
     let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
     assert!((number(&proof["shows_um"]) + 20.0).abs() < DUST_UM, "{proof}");
     proof
@@ -348,7 +354,7 @@ fn nine_errors(job: &str) -> String {
 fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
     let [job, errors] = ["fanuc-0i-f.toml", "errors.csv"].map(nine_errors);
     let (inputs, kit) = support::generate(&job, &errors);
-    let (base, output) = axis_pairs(&kit.plan.names, term_of(cross_proof(&kit)))[0];
+    let (base, output) = axis_pairs(&kit.plan.names, term_of(&cross_proof(&kit)))[0];
     let control = proving(&inputs.profile, &kit);
     let most = steepest(&support::response(control.as_ref(), base, output, Direction::Plus));
     assert!(most <= 7.0, "{most} µm in one section");

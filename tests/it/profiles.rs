@@ -150,6 +150,15 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
     assert_eq!(tables.0, tables.1);
 }
 
+#[test]
+fn factors_are_no_fact_of_a_control_with_tables_of_its_own() {
+    let page = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"siemens-828d\"\n\
+        [facts.factors]\nvalue = { xy = \"EXY\" }\nevidence = \"manual\"\nsource = \"p. 1\"\n";
+    let said = of_page(page).unwrap_err();
+    assert!(said.contains("unknown key `factors` in [facts]"), "{said}");
+    assert_eq!(said.matches("unknown key").count(), 1, "{said}");
+}
+
 /// Whether a control of this profile takes the file: one form of straightness has points.
 fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
     let Dialect::Fanuc(facts) = &profile.dialect else { return true };

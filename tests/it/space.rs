@@ -9,10 +9,8 @@ use nonius::volume::space::boxes::Boxes;
 use nonius::volume::space::diameter;
 use nonius::volume::space::diameter::{Diameter, WindowMap, diameter};
 use nonius::volume::space::grid_map::{AxisNode, GridMap, Node, Vector};
-use nonius::volume::space::histogram::exact;
-use nonius::volume::space::histogram::{Tolerance, grouping};
+use nonius::volume::space::histogram::{Tolerance, estimate, exact, grouping};
 use nonius::volume::space::pair::square;
-use nonius::volume::space::sample::estimate;
 use std::f64::consts::TAU;
 
 /// All pairs, the smaller numbers first.

@@ -7,7 +7,7 @@ use crate::quantity::{Axis, Diagonal, Figure, Millimetres, PerAxis};
 use crate::text::joined;
 use crate::volume::assessment::{Assessment, Contribution, GridChoice, Histogram};
 use crate::volume::definitions::Definitions;
-use crate::volume::space::sample::Estimate;
+use crate::volume::space::histogram::Estimate;
 use crate::volume::volume_model::{Component, ERRORS};
 
 pub(super) fn screen(page: &Page) -> Screen {

@@ -11,7 +11,6 @@
 use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
 use super::form::{Form, Listed, Order, Rounding, Size, ValueForm};
-use super::generic::Typed;
 use super::pattern::{Field, Pattern};
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::{Axis, ErrorTerm, UM_PER_MM};
@@ -26,25 +25,21 @@ pub(super) static FAMILY: Family = Family {
     off: "removed",
     restarts: true,
     proofs: &[
-        Proof {
-            mechanism: Mechanism::OwnTable,
-            name: "tables of axes for themselves",
-            sign_fact: "own_sign",
-            beside: None,
-        },
-        Proof {
-            mechanism: Mechanism::CrossTable,
-            name: "tables that follow another axis",
-            sign_fact: "cross_sign",
-            beside: None,
-        },
-        Proof {
-            mechanism: Mechanism::Skew,
-            name: "skew correction",
-            sign_fact: "skew_sign",
-            beside: None,
-        },
+        Proof::of(Mechanism::OwnTable, "tables of axes for themselves", "own_sign"),
+        Proof::of(Mechanism::CrossTable, "tables that follow another axis", "cross_sign"),
+        Proof::of(Mechanism::Skew, "skew correction", "skew_sign"),
     ],
+};
+
+pub(super) static GENERIC: Family = Family {
+    word: "generic",
+    backlash_parameter: "backlash parameter",
+    between: "linear",
+    outside: &[Outside::Hold],
+    no_tables: Tables::Listed(ListedTables::NONE),
+    off: "removed",
+    restarts: true,
+    proofs: &[],
 };
 
 words! {
@@ -103,45 +98,45 @@ section! {
         /// What the control shows of a factor, with `{of}`, `{by}` and `{value}`.
         pub shown: Option<Fact<String>> = if_stated();
         /// Sense of the table of an axis for itself.
-        pub own_sign: Fact<TableSign> = stated(), or Fact::rule(TableSign::AsCorrection);
+        pub own_sign: Fact<TableSign> = of_points(), or Fact::rule(TableSign::AsCorrection);
         /// How many other axes an axis can follow.
-        pub cross_terms: Fact<u32> = within(..=OTHER_AXES, "0, 1 or 2"), or Fact::rule(OTHER_AXES);
+        pub cross_terms: Fact<u32> => (!facts.section.has("factors")).then(|| facts.within("cross_terms", ..=OTHER_AXES, "0, 1 or 2")).flatten(), or Fact::rule(OTHER_AXES);
         /// What is typed in, of a control without files of its own.
         pub typed: Option<Typed> => facts.is_typed.get().then(|| Typed::read(facts)).flatten();
         /// Sense of the table of an axis that follows another, or of a factor.
-        pub cross_sign: Fact<TableSign> => facts.stated(sign_fact(factors.is_some())), or Fact::rule(TableSign::AsCorrection);
+        pub cross_sign: Fact<TableSign> => (factors.is_some() || !facts.is_typed.get()).then(|| facts.stated(sign_fact(factors.is_some()))).flatten(), or Fact::rule(TableSign::AsCorrection);
         /// In which form a number says it.
-        pub value_form: Fact<ValueForm> = stated(), or Fact::rule(ValueForm::Amount);
+        pub value_form: Fact<ValueForm> = of_points(), or Fact::rule(ValueForm::Amount);
         /// Size of 1 of a value.
-        pub value_size: Fact<Size> = stated(), or Fact::rule(typed.as_ref().map_or(Size::fixed(if factors.is_some() { UM_PER_MM } else { 1.0 }), Typed::size));
+        pub value_size: Fact<Size> = of_points(), or Fact::rule(typed.as_ref().map_or(Size::fixed(if factors.is_some() { UM_PER_MM } else { 1.0 }), Typed::size));
         /// Decimals of values; one count is the last decimal.
-        pub value_decimals: Fact<u32> = decimals(), or Fact::rule(0);
+        pub value_decimals: Fact<u32> => (!facts.is_typed.get() || facts.section.has("value_decimals")).then(|| facts.decimals("value_decimals")).flatten(), or Fact::rule(0);
         /// Largest value that the control takes, either sign, as in the file.
-        pub largest_value: Fact<f64> = stated(), or Fact::rule(f64::INFINITY);
+        pub largest_value: Fact<f64> = of_points(), or Fact::rule(f64::INFINITY);
         /// Size of 1 of a position.
-        pub position_size: Fact<Size> = stated(), or Fact::rule(Size::fixed(UM_PER_MM));
+        pub position_size: Fact<Size> = of_points(), or Fact::rule(Size::fixed(UM_PER_MM));
         /// Decimals of positions.
-        pub position_decimals: Fact<u32> = decimals(), or Fact::rule(6);
+        pub position_decimals: Fact<u32> => facts.has_points().then(|| facts.decimals("position_decimals")).flatten(), or Fact::rule(6);
         /// Order of the points.
-        pub order: Fact<Order> = stated(), or Fact::rule(Order::Ascending);
+        pub order: Fact<Order> = of_points(), or Fact::rule(Order::Ascending);
         /// Number of the first point of a table.
-        pub first_point: Fact<u32> = stated(), or Fact::rule(0);
+        pub first_point: Fact<u32> = of_points(), or Fact::rule(0);
         /// Most points of a table; a factor is one.
-        pub points: Fact<u32> = within(2.., "at least 2"), or Fact::rule(1);
+        pub points: Fact<u32> => (!facts.section.has("factors")).then(|| facts.within("points", 2.., "at least 2")).flatten(), or Fact::rule(1);
         /// What the backlash parameter does beside a table.
-        pub backlash: Fact<BesideTable> = stated(), or Fact::rule(BesideTable::Adds);
+        pub backlash: Fact<BesideTable> = of_points(), or Fact::rule(BesideTable::Adds);
         /// What a control adds outside a table.
         pub outside: Fact<Outside> => facts.of_lines("outside", Outside::Hold), must;
         /// Whether a point may lie behind the end of the travel.
-        pub points_beyond_travel: Fact<bool> = stated(), or Fact::rule(true);
+        pub points_beyond_travel: Fact<bool> = of_points(), or Fact::rule(true);
         /// A column for − that is zero everywhere stands for that for +.
-        pub zero_reverse_is_forward: Fact<bool> = stated(), or Fact::rule(false);
+        pub zero_reverse_is_forward: Fact<bool> = of_points(), or Fact::rule(false);
         /// What begins a comment.
         pub comments: Fact<Comments> => facts.of_lines("comments", Comments::None), must;
         /// What a line of a file can be, in this order.
-        pub lines: Fact<Vec<Pattern>> = stated(), or Fact::rule(Vec::new());
+        pub lines: Fact<Vec<Pattern>> => (!facts.is_typed.get()).then(|| facts.stated("lines")).flatten(), or Fact::rule(Vec::new());
         /// What the name of a file says; a pattern that takes none says nothing.
-        pub file_name: Fact<Vec<Pattern>> = stated(), or Fact::rule(Vec::new());
+        pub file_name: Fact<Vec<Pattern>> = of_points(), or Fact::rule(Vec::new());
     }
 }
 
@@ -337,5 +332,85 @@ impl Listed for DeclaredFacts {
         let mut factors = self.factors().iter();
         let own = factors.find(|own| own.axes() == [table.base.as_str(), table.output.as_str()]);
         own.map_or_else(|| table.name(), |own| own.name.clone())
+    }
+}
+
+// What is typed into a control without files of its own, from the generic table (docs/interface.md §4.1), whose files are
+// not declared line by line but fixed.
+
+section! {
+    /// What a person types into the control. The generic table carries deviation, correction and increment, so no
+    /// sign has to be assumed.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Typed(facts: &Facts<'_>) {
+        /// What it is.
+        pub value as typed_value: Fact<TypedValue> = stated(), must;
+        /// In which unit its screen takes it.
+        pub unit as typed_unit: Fact<Size> = stated(), must;
+        /// Its decimals, where the control fixes them; `None` = multiples of the detection unit.
+        pub decimals as value_decimals: Option<Fact<u32>> = if_stated();
+        /// A point has one value for both directions.
+        pub one_for_both: Option<Fact<bool>> = if_stated();
+    }
+}
+
+impl Typed {
+    /// The column of a typed list that holds the values.
+    pub(crate) fn column(&self) -> String {
+        format!("{}_{}", self.value.value.word(), self.unit_word())
+    }
+
+    /// The unit of the values, in the name of that column.
+    pub(crate) fn unit_word(&self) -> &'static str {
+        self.unit.value.word().unwrap_or("count")
+    }
+
+    /// Each direction can have a table. Increments do not hold what a second one has at the reference.
+    pub fn takes_directions(&self) -> bool {
+        let is_one = self.one_for_both.as_ref().is_some_and(|own| own.value);
+        !is_one && !self.value.value.is_increment()
+    }
+
+    /// Tables hold the numbers that are typed: counts, or with the decimals of the control. Else they hold µm.
+    pub(crate) fn is_held(&self) -> bool {
+        self.decimals.is_some() || self.unit.value.word().is_none()
+    }
+
+    /// Size of 1 in a table.
+    fn size(&self) -> Size {
+        if self.is_held() { self.unit.value } else { Size::fixed(1.0) }
+    }
+}
+
+words! {
+    /// What a person types into a control that reads no file.
+    pub enum TypedValue {
+        /// The machine's error.
+        Deviation = "deviation",
+        /// What the control adds.
+        Correction = "correction",
+        /// Its change from the point before.
+        Increment = "increment",
+        /// The same, each change at the end of its section that is away from the reference.
+        Outward = "outward_increment",
+    }
+}
+
+impl TypedValue {
+    /// Whether it is a change, zero where nothing is said of it.
+    pub(crate) const fn is_increment(self) -> bool {
+        matches!(self, TypedValue::Increment | TypedValue::Outward)
+    }
+
+    /// What it is, for the person who types it.
+    pub(crate) const fn words(self) -> &'static str {
+        match self {
+            TypedValue::Deviation => "deviation of the machine (actual − commanded)",
+            TypedValue::Correction => "correction, which the control adds",
+            TypedValue::Increment => "change of the correction from the point before, from − to +",
+            TypedValue::Outward => {
+                "change of the correction, from − to +, over the section that ends at the point, seen from the reference"
+            }
+        }
     }
 }

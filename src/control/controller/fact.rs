@@ -414,6 +414,18 @@ impl<'a> Facts<'a> {
         self.section.has(name).then(|| self.stated(name)).flatten()
     }
 
+    /// Whether tables list their points in lines. A control with factors in place of tables states nothing of them, nor
+    /// one whose files are the generic table: what its numbers mean is the rule of its format, and a fact against it
+    /// is an unknown key.
+    pub(super) fn has_points(&self) -> bool {
+        !self.is_typed.get() && !self.section.has("factors")
+    }
+
+    /// A fact of such points.
+    pub(super) fn of_points<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
+        self.has_points().then(|| self.stated(name)).flatten()
+    }
+
     /// The same of one that only matters where lines of files are declared.
     pub(super) fn of_lines<T: Stated>(&self, name: &'static str, usual: T) -> Option<Fact<T>> {
         if self.is_typed.get() { Some(Fact::rule(usual)) } else { self.stated(name) }
@@ -452,28 +464,13 @@ impl<'a> Facts<'a> {
         self.within(name, ..=9, "0 … 9")
     }
 
-    /// The section of a fact. A control whose files are no lines of points states nothing of what is not in them: what
-    /// its numbers mean is the rule of its format, and a fact against it is an unknown key.
-    fn needed(&self, name: &'static str) -> Option<Section<'a>> {
-        let has = |list: &str| list.split(' ').any(|own| own == name);
-        let factors = self.section.has("factors") && (has(OF_LINES) || has("points cross_terms"));
-        let is_free = name == "value_decimals" && self.section.has(name);
-        let typed = self.is_typed.get()
-            && !is_free
-            && (has(OF_LINES) || has("cross_sign value_decimals lines"));
-        match factors || typed {
-            true => None,
-            false => self.section.required_section(name),
-        }
-    }
-
     /// A fact whose value `value` reads. One that a family reads besides is stated once.
     pub(super) fn read<T>(
         &self,
         name: &'static str,
         value: impl FnOnce(&Section<'_>) -> Option<T>,
     ) -> Option<Fact<T>> {
-        let section = self.needed(name)?;
+        let section = self.section.required_section(name)?;
         let value = value(&section);
         section.require("value", "what is stated");
         let origin = complete_origin(&section);
@@ -494,11 +491,6 @@ impl<'a> Facts<'a> {
         Some(fact)
     }
 }
-
-/// Facts of tables that list their points in lines: what a control with factors does not state, and one whose files
-/// are the generic table.
-const OF_LINES: &str = "own_sign value_form value_size largest_value position_size position_decimals order first_point \
-    backlash points_beyond_travel zero_reverse_is_forward file_name";
 
 impl<T> Fact<T> {
     /// A rule of this program in place of a fact.

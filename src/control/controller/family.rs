@@ -38,6 +38,17 @@ pub struct Proof {
     pub(crate) beside: Option<&'static str>,
 }
 
+impl Proof {
+    /// One beside which a person has nothing to see to.
+    pub(super) const fn of(
+        mechanism: Mechanism,
+        name: &'static str,
+        sign_fact: &'static str,
+    ) -> Proof {
+        Proof { mechanism, name, sign_fact, beside: None }
+    }
+}
+
 /// A family of part programs: what is known of it and stands in no profile.
 #[derive(Debug)]
 pub(crate) struct LanguageFacts {

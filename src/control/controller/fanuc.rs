@@ -16,26 +16,14 @@ pub(super) static FAMILY: Family = Family {
     off: "0",
     restarts: true,
     proofs: &[
+        Proof::of(Mechanism::Pitch, "pitch error compensation", "pitch_sign"),
         Proof {
-            mechanism: Mechanism::Pitch,
-            name: "pitch error compensation",
-            sign_fact: "pitch_sign",
-            beside: None,
-        },
-        Proof {
-            mechanism: Mechanism::FourPoint,
-            name: "straightness compensation",
-            sign_fact: "straightness_sign",
             beside: Some(
                 "alarm PW5046 instead: the control refuses the set; where axes and points are right, the slope of the bump (from memory, its limit is not known): lower `limits.max_bump_um`",
             ),
+            ..Proof::of(Mechanism::FourPoint, "straightness compensation", "straightness_sign")
         },
-        Proof {
-            mechanism: Mechanism::PerPoint,
-            name: "straightness compensation",
-            sign_fact: "straightness_sign",
-            beside: None,
-        },
+        Proof::of(Mechanism::PerPoint, "straightness compensation", "straightness_sign"),
     ],
 };
 

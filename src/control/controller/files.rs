@@ -108,7 +108,7 @@ impl Templates<'_> {
 /// The files of the form that the control takes.
 pub(super) fn files(
     root: &Section<'_>,
-    form: Option<&str>,
+    form: Option<String>,
     templates: Templates<'_>,
 ) -> Option<Vec<EmittedFile>> {
     let sections = root.sections("files");
@@ -125,7 +125,7 @@ pub(super) fn files(
     for section in &sections {
         let of_form = section.choice("form", TableForm::WORDS).map(TableForm::word);
         match file(root, section, templates) {
-            Some(file) if of_form.is_none() || of_form == form => {
+            Some(file) if of_form.is_none() || of_form == form.as_deref() => {
                 if files.iter().any(|o| o.path.eq_ignore_ascii_case(&file.path)) {
                     section.problem(
                         "path",

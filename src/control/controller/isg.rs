@@ -14,12 +14,7 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Isg(IsgTables::NONE),
     off: "removed",
     restarts: false,
-    proofs: &[Proof {
-        mechanism: Mechanism::Volcomp,
-        name: "volumetric compensation",
-        sign_fact: "error_sign",
-        beside: None,
-    }],
+    proofs: &[Proof::of(Mechanism::Volcomp, "volumetric compensation", "error_sign")],
 };
 
 words! {

@@ -19,13 +19,8 @@ pub(super) static FAMILY: Family = Family {
     off: "removed",
     restarts: true,
     proofs: &[
-        Proof {
-            mechanism: Mechanism::Comp,
-            name: "COMP_FILE",
-            sign_fact: "trim_sign",
-            beside: None,
-        },
-        Proof { mechanism: Mechanism::Hal, name: "HAL file", sign_fact: "sum_sign", beside: None },
+        Proof::of(Mechanism::Comp, "COMP_FILE", "trim_sign"),
+        Proof::of(Mechanism::Hal, "HAL file", "sum_sign"),
     ],
 };
 

@@ -3,19 +3,22 @@
 //! A profile may build on a built-in one (`based_on = "fanuc-30i"`): its page is laid over that one,
 //! then read once. Whether a page is ours or a user's makes no difference.
 
-use crate::control::checklist::steps;
+use crate::control::checklist::{Step, steps};
 use crate::control::claims::Precondition;
-use crate::control::controller::example::Example;
-use crate::control::controller::fact::{Facts, Mechanism, origin};
+use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::fact::{Comments, Facts, Mechanism, origin, origin_or_rule};
 pub use crate::control::controller::files::TemplateFinder;
 use crate::control::controller::files::{Templates, files};
-use crate::control::controller::program::program_facts;
+use crate::control::controller::program::{ProgramFacts, program_facts};
 use crate::control::controller::{
-    CommonFacts, DeclaredFacts, Dialect, Fact, Family, FanucFacts, IsgFacts, LinuxcncFacts,
-    Profile, ProfileSource, SiemensFacts, declared, fanuc, generic, isg, job_keys, linuxcnc,
-    siemens,
+    ControlUnit, DeclaredFacts, Dialect, EmittedFile, Encoding, Fact, Family, FanucFacts, IsgFacts,
+    JobKey, LineEnd, LinuxcncFacts, ProfileSource, SiemensFacts, Statement, declared, fanuc, isg,
+    linuxcnc, siemens,
 };
-use crate::text::{Problems, Section, Source, read_page_over, refuse_large_page, shown};
+use crate::quantity::{Direction, Millimetres};
+use crate::text::{
+    Problems, Section, Source, Word, read_page_over, refuse_large_page, section, shown,
+};
 use toml::de::{DeArray, DeTable, DeValue};
 
 /// Finds a built-in page by its id.
@@ -95,6 +98,79 @@ fn lay_facts_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
     }
 }
 
+section! {
+    /// A control, as the program knows it.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Profile(
+        root: &Section<'_>,
+        names: [String; 2],
+        source: ProfileSource,
+        known: Option<Known>,
+        facts: &Facts<'_>,
+        templates: Templates<'_>
+    ) {
+        /// The id, as in `controllers list`.
+        pub id: String => names[0].clone();
+        /// Maker and model.
+        pub name: String => names[1].clone();
+        /// Built in, or a user's own.
+        pub origin: ProfileSource => source;
+        /// What all controls of its family have in common.
+        pub family: &'static Family => known.map(|(family, _)| family), must;
+        /// The format family with its facts.
+        pub dialect: Dialect => dialect(known, facts), must;
+        /// Line end of the emitted files.
+        pub line_end: Fact<LineEnd> => facts.stated("line_end"), must;
+        /// Whether the control's files may carry comments.
+        pub comments: Fact<Comments> => facts.stated("comments"), must;
+        /// Names of the axes X, Y, Z where the job does not state them.
+        pub axis_names: Fact<Vec<String>> => axis_names(facts), must;
+        /// Whether the job must state a detection unit for each axis.
+        pub detection_unit_required: Fact<bool> => facts.stated("detection_unit_required"), must;
+        /// How the characters of the emitted files are stored; `None` = not stated, UTF-8.
+        pub encoding: Option<Fact<Encoding>> => {
+            let stated = facts.if_stated("encoding");
+            facts.section.refuse_unknown_keys();
+            stated
+        };
+        /// The files of a kit, in the order of the manifest.
+        pub files: Vec<EmittedFile> => files(root, facts.written("table_form"), templates), must;
+        /// How its part programs are written; `None` = no program can be written for it.
+        pub program: Option<ProgramFacts> = sub(|own| program_facts(own, templates));
+        /// Keys of a job that it needs, in order.
+        pub job_keys as job: Vec<JobKey> = subs(|own| JobKey::read(own, origin_or_rule(own)));
+        /// The steps of a service visit, in order.
+        pub checklist: Vec<Step> => steps(root);
+        /// What a person has to see to on the control whatever the kit holds.
+        pub preconditions: Vec<Precondition> = subs(Precondition::read);
+        /// What switches tables off, as a remark on a kit without a file for it; `None` = a person has to see to it.
+        pub off_by_hand: Option<String> = text();
+        /// The page that explains the order of loading.
+        pub page: Option<String> = text();
+        /// The display that shows the correction that acts on an axis; `None` = none is known.
+        pub display: Option<Fact<String>> = sub(display);
+        /// Files of others, and what the control adds for them.
+        pub examples as example: Vec<Example> = subs(Example::read);
+        /// Why there is none.
+        pub no_example: Option<String> = text();
+        /// All facts in words, in the order of the program's questions.
+        pub statements: Vec<Statement> => facts.statements.take();
+    }
+}
+
+impl Profile {
+    /// The file of a kit that is called so.
+    pub(crate) fn file(&self, name: &str) -> Option<&EmittedFile> {
+        self.files.iter().find(|file| file.is_called(name))
+    }
+
+    /// How the characters of the control's files are stored.
+    pub(crate) fn encoding(&self) -> Encoding {
+        let stated = self.encoding.as_ref();
+        stated.map_or(Encoding::Utf8, |fact| fact.value)
+    }
+}
+
 fn read_profile(
     root: &Section<'_>,
     origin: ProfileSource,
@@ -112,48 +188,8 @@ fn read_profile(
     let name = root.required_text("name", "maker and model")?;
     check_base(root, below)?;
     let family = family(root);
-    let facts = root.required_section("facts").map(Facts::of);
-    let dialect = facts.as_ref().and_then(|facts| dialect(family, facts));
-    let common = facts.as_ref().and_then(CommonFacts::read);
-    let encoding = facts.as_ref().and_then(|facts| facts.if_stated("encoding"));
-    if let Some(facts) = &facts {
-        facts.section.refuse_unknown_keys();
-    }
-    let form = facts.as_ref().and_then(|facts| facts.written("table_form"));
-    let files = files(root, form.as_deref(), templates);
-    let program = root.sub("program", |own| program_facts(own, templates));
-    let job_keys = job_keys(root);
-    let checklist = steps(root);
-    let preconditions = root.subs("preconditions", Precondition::read);
-    let [off_by_hand, page] = ["off_by_hand", "page"].map(|key| root.text(key));
-    let display = root.sub("display", display);
-    let examples = root.subs("example", Example::read);
-    let no_example = root.text("no_example");
-    let common = common?;
-    check_axis_names(&facts.as_ref()?.section, &common.axis_names.value);
-    Some(Profile {
-        id,
-        name,
-        origin,
-        family: family?.0,
-        dialect: dialect?,
-        line_end: common.line_end,
-        encoding,
-        comments: common.comments,
-        axis_names: common.axis_names,
-        detection_unit_required: common.detection_unit_required,
-        files: files?,
-        job_keys,
-        preconditions,
-        off_by_hand,
-        page,
-        checklist,
-        display,
-        examples,
-        no_example,
-        program,
-        statements: facts?.statements.into_inner(),
-    })
+    let facts = root.required_section("facts").unwrap_or_else(|| root.absent("facts"));
+    Profile::read(root, [id, name], origin, family, &Facts::of(facts), templates)
 }
 
 fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
@@ -209,10 +245,10 @@ fn display(section: &Section<'_>) -> Option<Fact<String>> {
     Some(origin?.with(value?))
 }
 
-fn check_axis_names(facts: &Section<'_>, names: &[String]) {
-    let Some(fact) = facts.section("axis_names") else {
-        return;
-    };
+/// Three names that every control can show.
+fn axis_names(facts: &Facts<'_>) -> Option<Fact<Vec<String>>> {
+    let stated = facts.stated::<Vec<String>>("axis_names")?;
+    let (fact, names) = (facts.section.section("axis_names")?, &stated.value);
     if names.len() != 3 {
         fact.problem(
             "value",
@@ -229,6 +265,7 @@ fn check_axis_names(facts: &Section<'_>, names: &[String]) {
             "write it as the control shows it, e.g. `AX1`",
         );
     }
+    Some(stated)
 }
 
 // The families of controls that there are.
@@ -240,7 +277,7 @@ pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 pub(super) const FAMILIES: [Known; 6] = [
     (&siemens::FAMILY, |facts| SiemensFacts::read(facts).map(Dialect::Siemens)),
     (&fanuc::FAMILY, |facts| FanucFacts::read(facts).map(Dialect::Fanuc)),
-    (&generic::FAMILY, |facts| DeclaredFacts::typed(facts).map(Dialect::Declared)),
+    (&declared::GENERIC, |facts| DeclaredFacts::typed(facts).map(Dialect::Declared)),
     (&declared::FAMILY, |facts| DeclaredFacts::checked(facts).map(Dialect::Declared)),
     (&linuxcnc::FAMILY, |facts| LinuxcncFacts::read(facts).map(Dialect::Linuxcnc)),
     (&isg::FAMILY, |facts| IsgFacts::read(facts).map(Dialect::Isg)),
@@ -251,4 +288,98 @@ pub(super) fn proved() -> Vec<(&'static str, Mechanism)> {
     let proofs = FAMILIES.iter().flat_map(|(family, _)| family.proofs);
     let mechanisms = proofs.map(|proof| proof.mechanism);
     mechanisms.map(|own| (own.word(), own)).collect()
+}
+
+// Examples of a profile: files as a manual prints them or a control wrote them, never as this program writes
+// them, and what the control adds for them. A reader and an emulator that agree with their own writer alone
+// would still read a foreign file wrongly.
+
+section! {
+    /// One `[[example]]` of a profile.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Example(section: &Section<'_>) {
+        /// The manual with its page, or the control that wrote the files.
+        pub source: String = text(), must "the manual with its page, or the control that wrote it";
+        /// Unit of the control.
+        pub unit: ControlUnit = choice(ControlUnit::WORDS), or ControlUnit::Millimetre;
+        /// The files of the control.
+        pub files: Vec<ExampleFile> => section.subs("file", ExampleFile::read);
+        /// The axes that they name.
+        pub axes: Vec<ExampleAxis> => section.subs("axis", ExampleAxis::read);
+        /// What the control adds, place by place.
+        pub adds: Vec<Added> => {
+            section.require("adds", "what the control adds for them");
+            section.subs("adds", Added::read)
+        };
+    }
+}
+
+section! {
+    /// A file of an example.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct ExampleFile(section: &Section<'_>) {
+        /// Its name on the control.
+        pub path: String = text(), must "the name of the file";
+        /// What stands in it.
+        pub text: String = text(), must "what stands in the file";
+    }
+}
+
+section! {
+    /// An axis of an example.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct ExampleAxis(section: &Section<'_>) {
+        /// The control's name of it.
+        pub name: String = text(), must "the name of the axis on the control";
+        /// Ends of its travel, mm.
+        pub travel_mm: [f64; 2] = pair_of_millimetres(), must "its ends, e.g. [0.0, 900.0]";
+        /// Its reference point, mm.
+        pub reference_mm: f64 = millimetres(), or 0.0;
+        /// Direction of its reference return.
+        pub reference_direction: Direction = direction(), or Direction::Plus;
+        /// Its detection unit, µm.
+        pub detection_unit_um: Option<f64> = positive();
+    }
+}
+
+section! {
+    /// What an axis gets at a place.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Added(section: &Section<'_>) {
+        /// The axis that is corrected.
+        pub axis: String = text(), must "the axis that is corrected";
+        /// The axis that stands there; its own position where it is not stated.
+        pub by: Option<String> = text();
+        /// Where, mm in machine coordinates.
+        pub at_mm: f64 = millimetres(), must "where, mm";
+        /// Coming in which direction; `None` = both.
+        pub moving: Option<Direction> = direction();
+        /// How far the control moves it further in +, µm.
+        pub um: f64 = number(), must "what the control adds, µm";
+    }
+}
+
+impl Example {
+    /// The control of the example, without its files.
+    pub(crate) fn state(&self) -> ControlState {
+        let axis = |own: &ExampleAxis| {
+            let [low, high] = own.travel_mm;
+            let reference = own.reference_mm;
+            let ends = [low, high].map(Millimetres::new);
+            let reach = [low.min(reference), high.max(reference)].map(Millimetres::new);
+            AxisState {
+                name: own.name.clone(),
+                reference: Millimetres::new(reference),
+                reference_direction: own.reference_direction,
+                detection_unit_um: own.detection_unit_um,
+                backlash_um: 0.0,
+                bidirectional: false,
+                interpolated: false,
+                travel: reach.into(),
+                ends: ends.into(),
+                rest: Millimetres::new(reference),
+            }
+        };
+        ControlState { unit: self.unit, axes: self.axes.iter().map(axis).collect() }
+    }
 }

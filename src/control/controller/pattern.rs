@@ -48,13 +48,6 @@ words! {
     }
 }
 
-impl Field {
-    /// Whether it says which table is meant.
-    fn names_table(self) -> bool {
-        matches!(self, Field::Axis | Field::Base | Field::Output | Field::Table)
-    }
-}
-
 /// A pattern that takes a whole line.
 #[derive(Clone, Debug)]
 pub struct Pattern {
@@ -110,7 +103,8 @@ impl Pattern {
         let named = names.filter_map(|(place, name)| Some(group(place, name?)));
         let mut fields = named.collect::<Result<Vec<Group>, String>>()?;
         fields.sort_by_key(|group| group.table);
-        let names_own = |own: &&[Group]| own.iter().any(|group| group.field.names_table());
+        const NAMES: [Field; 4] = [Field::Axis, Field::Base, Field::Output, Field::Table];
+        let names_own = |own: &&[Group]| own.iter().any(|group| NAMES.contains(&group.field));
         let tables = fields.chunk_by(|a, b| a.table == b.table);
         if let Some(other) = tables.skip_while(|own| own[0].table == 1).find(|own| !names_own(own))
         {
@@ -162,8 +156,7 @@ fn group(place: usize, name: &str) -> Result<Group, String> {
 /// The last line of what the regular expressions say; the lines above draw the pattern. `None` = it is too large.
 fn why(error: &BuildError) -> Option<String> {
     let text = error.syntax_error()?.to_string();
-    let last = text.lines().last().unwrap_or_default();
-    let last = last.trim_start_matches("error: ");
+    let last = text.lines().last().unwrap_or_default().trim_start_matches("error: ");
     Some(format!("is no regular expression: {}", shown(last)))
 }
 

@@ -15,19 +15,12 @@ pub(super) static FAMILY: Family = Family {
     off: "0",
     restarts: false,
     proofs: &[
+        Proof::of(Mechanism::EncComp, "ENC_COMP (LEC)", "lec_sign"),
         Proof {
-            mechanism: Mechanism::EncComp,
-            name: "ENC_COMP (LEC)",
-            sign_fact: "lec_sign",
-            beside: None,
-        },
-        Proof {
-            mechanism: Mechanism::Cec,
-            name: "CEC",
-            sign_fact: "cec_sign",
             beside: Some(
                 "MD32710 switches every CEC table of an axis, also those that are not of this kit (K3 p. 245): note their SD41300, set it to 0 while the proof lasts, and put it back",
             ),
+            ..Proof::of(Mechanism::Cec, "CEC", "cec_sign")
         },
     ],
 };

@@ -7,8 +7,8 @@
 
 use crate::control::checklist::Listed;
 use crate::control::controller::{Evidence, Role, Statement};
-use crate::kit::made::{KEEP_TO_THE_FORMAT, Made, as_read};
-use crate::quantity::{Axis, Direction, Millimetres};
+use crate::kit::loaded::{KEEP_TO_THE_FORMAT, Made, as_read};
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{ReadBack, emulator, load, read_apart};
 use crate::text::{BLANK, Finding, Problem, Problems, joined};
@@ -16,7 +16,7 @@ use crate::write::compensation::trimmed;
 use crate::write::emit::{self, Emitted, RenderedFile};
 use crate::write::plan::{Plan, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// The sign proofs of a kit, read back to what was meant.
 pub(super) struct Proofs {
@@ -26,12 +26,20 @@ pub(super) struct Proofs {
     pub(super) missing: Vec<Finding>,
 }
 
-/// A sign proof with what its bytes do.
-pub(super) struct Shown {
-    pub(super) proof: SignProof,
-    pub(super) paths: Vec<String>,
-    /// How the axis stands at the peak, less how it stands where the bump begins, µm.
-    pub(super) shown_um: f64,
+/// A sign proof with what its bytes do, as the manifest has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shown {
+    #[serde(skip)]
+    proof: SignProof,
+    files: Vec<String>,
+    sign: &'static str,
+    term: ErrorTerm,
+    from_mm: Millimetres,
+    peak_mm: Millimetres,
+    to_mm: Millimetres,
+    /// How the axis stands at the peak, less how it stands where the bump begins.
+    shows_um: f64,
+    other_sign_um: f64,
 }
 
 impl Proofs {
@@ -58,10 +66,13 @@ impl Proofs {
         }
         let control = emulator(profile, &loaded, &made.compiled.state)
             .map_err(|reason| shows_otherwise(&reason.0))?;
-        let shown = written.into_iter().map(|(proof, paths)| {
-            let shown_um = shown_um(&made.plan, control.as_ref(), &proof)
+        let shown = written.into_iter().map(|(proof, files)| {
+            let shows_um = shown_um(&made.plan, control.as_ref(), &proof)
                 .map_err(|reason| shows_otherwise(&reason.0))?;
-            Ok(Shown { proof, paths, shown_um })
+            let (sign, term) = (proof.of.sign_fact, proof.term);
+            let [from_mm, peak_mm, to_mm] = proof.bump.places();
+            let other_sign_um = -shows_um;
+            Ok(Shown { proof, files, sign, term, from_mm, peak_mm, to_mm, shows_um, other_sign_um })
         });
         Ok(Proofs { shown: shown.collect::<Result<_, Problems>>()?, files, missing })
     }
@@ -117,22 +128,6 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Emulated<
     }
 }
 
-pub(super) fn document(shown: &Shown) -> Value {
-    let proof = &shown.proof;
-    let [from, peak, to] = proof.bump.places().map(|place| place.mm());
-    let round = crate::quantity::picometres;
-    json!({
-        "files": shown.paths,
-        "sign": proof.of.sign_fact,
-        "term": proof.term.to_string(),
-        "from_mm": from,
-        "peak_mm": peak,
-        "to_mm": to,
-        "shows_um": round(shown.shown_um),
-        "other_sign_um": round(-shown.shown_um),
-    })
-}
-
 /// What one proof is and what has to be seen; how it is read, and what that means.
 pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
     let mut all = Listed::default();
@@ -154,17 +149,17 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
 impl Shown {
     /// Where the bump begins, is highest and ends, mm.
     fn places(&self) -> [String; 3] {
-        self.proof.bump.places().map(|place| trimmed(place.mm(), 6))
+        [self.from_mm, self.peak_mm, self.to_mm].map(|place| trimmed(place.mm(), 6))
     }
 
     /// What is proved, and by which files.
     fn heading(&self) -> String {
-        let files = joined(self.paths.iter().map(|path| format!("`{path}`")));
+        let files = joined(self.files.iter().map(|path| format!("`{path}`")));
         format!("{}, {files}", self.proof.of.name)
     }
 
     fn bump(&self, made: &Made<'_>) -> String {
-        let (term, [from, peak, to]) = (self.proof.term, self.places());
+        let (term, [from, peak, to]) = (self.term, self.places());
         let (heading, along) = (self.heading(), made.axes(term.along));
         match self.proof.bump.is_slope {
             true => format!(
@@ -177,7 +172,7 @@ impl Shown {
     }
 
     fn two_places(&self, made: &Made<'_>) -> String {
-        let (term, [from, peak, _]) = (self.proof.term, self.places());
+        let (term, [from, peak, _]) = (self.term, self.places());
         let (moving, seen) = (made.axes(term.along), made.axes(term.of));
         format!(
             "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
@@ -194,29 +189,29 @@ impl Shown {
         };
         format!(
             "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
-            signed(self.shown_um),
+            signed(self.shows_um),
             self.as_known(made),
-            signed(-self.shown_um),
+            signed(-self.shows_um),
         )
     }
 
     /// A gauge that is not moved needs one place where nothing is found anew between off and on.
     fn with_a_gauge(&self, made: &Made<'_>) -> String {
-        let (of, [from, peak, _]) = (self.proof.term.of, self.places());
+        let (of, [from, peak, _]) = (self.term.of, self.places());
         match made.inputs.profile.family.restarts {
         false => format!(
             "a dial gauge that stays where it is needs {peak} mm only: zero with the compensation off, read with it on, coming from {from} mm both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
-            towards(self.shown_um, of),
-            towards(-self.shown_um, of),
+            towards(self.shows_um, of),
+            towards(-self.shows_um, of),
         ),
         true => "a dial gauge stays where it is between off and on and is not set again; where one cannot reach both places, put one at each. One place alone proves nothing: off and on need not have a common zero".to_string(),
     }
     }
 
     /// What is known of the sign.
-    fn known<'a>(&self, made: &'a Made<'_>) -> impl Iterator<Item = &'a Statement> + use<'a> {
-        let fact = self.proof.of.sign_fact;
-        made.inputs.profile.statements.iter().filter(move |s| s.fact == fact)
+    fn known<'a>(&self, made: &'a Made<'_>) -> impl Iterator<Item = &'a Statement> {
+        let sign = self.sign;
+        made.inputs.profile.statements.iter().filter(move |s| s.fact == sign)
     }
 
     fn sign(&self, made: &Made<'_>) -> String {
@@ -237,7 +232,7 @@ impl Shown {
     fn other_way_round(&self) -> String {
         format!(
             "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/own-control.md section 4) and generate again; nothing: see the preconditions, options and reference",
-            self.proof.of.sign_fact
+            self.sign
         )
     }
 }

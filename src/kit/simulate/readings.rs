@@ -173,24 +173,19 @@ impl Rehearsal {
     /// Notes errors that are not measured, or not in a direction in which a pass moves, or not all over the
     /// box: nothing is extrapolated.
     fn check_measured(&self, machine: &SimulatedMachine<'_>, job: &Job, problems: &mut Problems) {
-        let key = match job.measurement.data {
-            MeasuredData::Errors(_) => "measurement.errors",
-            MeasuredData::Diagonals(_) => "measurement.readings",
-        };
+        let of_errors = matches!(job.measurement.data, MeasuredData::Errors(_));
+        let key = if of_errors { "measurement.errors" } else { "measurement.readings" };
         for words in not_known(machine.model, |_, _| true) {
-            let problem = job.problem_at(key, words);
-            problems
-                .push(problem.help("measure them, or predict what was measured with `--errors`"));
+            let help = "measure them, or predict what was measured with `--errors`";
+            problems.push(job.problem_at(key, words).help(help));
         }
-        let key = match (&job.measurement.data, &job.program) {
-            (MeasuredData::Errors(_), Some(program)) => program.size_path,
+        let key = match &job.program {
+            Some(program) if of_errors => program.size_path,
             _ => "measurement.step_diagonal.size_mm",
         };
         for words in outside(machine.model, &self.measurement.volume) {
-            let problem = job.problem_at(key, words);
-            problems.push(
-                problem.help("keep the box inside the measured range: nothing is extrapolated"),
-            );
+            let help = "keep the box inside the measured range: nothing is extrapolated";
+            problems.push(job.problem_at(key, words).help(help));
         }
     }
 }

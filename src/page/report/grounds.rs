@@ -39,16 +39,13 @@ impl Report<'_> {
         }
         let asked = self.job.acceptance;
         let limit = |what: String, um: f64| format!("{what}: \u{2264} {}", self.length(um));
-        let deviation = asked.max_deviation_um;
-        let deviation = deviation.map(|um| limit(self.asked_errors(), um));
-        let diagonal = asked.max_diagonal_um;
-        let diagonal = diagonal.map(|um| limit(self.t("asked_diagonal"), um));
+        let deviation = asked.max_deviation_um.map(|um| limit(self.asked_errors(), um));
+        let diagonal = asked.max_diagonal_um.map(|um| limit(self.t("asked_diagonal"), um));
+        let limits: Vec<String> = deviation.into_iter().chain(diagonal).collect();
         let rests_on = self.visit.grounds.rests_on.iter();
         let rests_on: Vec<String> = rests_on.map(|part| self.rests_on(part)).collect();
-        let rests_on = (!rests_on.is_empty()).then(|| rests_on.join("; "));
-        let limits: Vec<String> = deviation.into_iter().chain(diagonal).collect();
-        let limits = (!limits.is_empty()).then(|| limits.join("; "));
-        limits.into_iter().chain(rests_on).collect()
+        let lines = [limits, rests_on].map(|parts| parts.join("; "));
+        lines.into_iter().filter(|line| !line.is_empty()).collect()
     }
 
     /// Never more than were measured.
@@ -213,8 +210,7 @@ impl Report<'_> {
         match self.is_own_language() {
             false => vec![line],
             true => {
-                let shown = sentences.iter().take(MOST);
-                let shown = shown.map(|words| escaped(words)).collect();
+                let shown = sentences.iter().take(MOST).map(|words| escaped(words)).collect();
                 match sentences.len() > MOST {
                     true => [shown, vec![line]].concat(),
                     false => shown,

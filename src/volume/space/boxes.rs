@@ -6,9 +6,8 @@
 //! no bound is above what was found, that is the largest value; if the steps end first, the highest bound is left.
 
 use super::diameter::Diameter;
-use super::grid_map::{ARM, GridMap, Node, Row, Vector};
+use super::grid_map::{ARM, GridMap, Interval, Node, Row, Vector, last_row, tree};
 use super::pair::{dot, minus, room};
-use crate::volume::space::sight::{Interval, last_row, tree};
 use std::collections::BinaryHeap;
 use std::ops::Range;
 

@@ -187,8 +187,7 @@ impl Hull {
     /// The vectors at its corners, and the middle: within `start_um` all that lies inside
     /// is a mean of them.
     fn corners(&self) -> impl Iterator<Item = Vector> + '_ {
-        let corners = self.corners.iter().skip(6).copied();
-        let corners = corners.chain([[0.0; 3]]);
+        let corners = self.corners.iter().skip(6).copied().chain([[0.0; 3]]);
         corners.map(|corner| [0, 1, 2].map(|k| corner[k] + self.middle[k]))
     }
 

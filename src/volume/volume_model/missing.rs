@@ -173,8 +173,7 @@ impl VolumeModel {
             let mm = (*place)?.mm();
             Some(Found::AnglesZero { axis, mm })
         }));
-        let tables = Axis::ALL.into_iter();
-        let tables = tables.filter(|axis| self.chain.moves_workpiece(*axis));
+        let tables = Axis::ALL.into_iter().filter(|axis| self.chain.moves_workpiece(*axis));
         labels.extend(tables.map(|axis| match self.levers.straightness_optic[axis] {
             Some(place) => Found::OpticOnTable { axis, mm: place.mm() },
             None => Found::OpticAtTool { axis },

@@ -327,7 +327,7 @@ fn wrong(span: &Range<usize>, found: &str) -> Wrong {
 
 #[cfg(test)]
 mod tests {
-    use super::{Template, Templates};
+    use super::{BTreeMap, Template, Templates};
     use crate::text::Problems;
     use crate::text::plain::tests::texts_of;
     use proptest::prelude::*;
@@ -350,8 +350,9 @@ mod tests {
 
     /// A context with a list of tables, each with its points.
     fn context(tables: usize, points: usize) -> tera::Context {
-        let points: Vec<_> = (0..points).map(|k| json!({ "value": k.to_string() })).collect();
-        let tables: Vec<_> = (0..tables).map(|_| json!({ "points": points })).collect();
+        let points: Vec<_> =
+            (0..points).map(|k| BTreeMap::from([("value", k.to_string())])).collect();
+        let tables: Vec<_> = (0..tables).map(|_| BTreeMap::from([("points", &points)])).collect();
         let mut context = tera::Context::new();
         context.insert("tables", &tables);
         context.insert("name", "a \"name\"");
