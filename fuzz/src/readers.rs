@@ -251,7 +251,7 @@ pub fn measuring_program(input: &[u8]) -> Answer {
             Err(problems) => problems.render(),
         };
     }
-    let rows = read_program::positions::read("positions.csv", input)?;
+    let rows = read_program::walk::read("positions.csv", input)?;
     Ok(format!("{answer} {}", rows.len()))
 }
 

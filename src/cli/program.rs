@@ -10,8 +10,7 @@ use crate::quantity::{Axis, Figure};
 use crate::text::{Line, Problems, Source, counted, header_and_rows};
 use crate::visit::files::{Files, printed};
 use crate::visit::job_files::{Given, JobFiles};
-use crate::write::emit::program::FileRole;
-use crate::write::program::left_open;
+use crate::write::program::{FileRole, left_open};
 use clap::Args;
 use std::path::{Path, PathBuf};
 

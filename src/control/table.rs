@@ -25,16 +25,34 @@ pub enum Tables {
 }
 
 impl Tables {
-    /// The tables of one family; `None` in a memory of another.
-    pub(crate) fn own<T: Any>(&self) -> Option<&T> {
+    /// The tables of one family; those of another hold none of them.
+    pub(crate) fn own<T: Memory>(&self) -> &T {
         let own: &dyn Any = match self {
             Tables::Siemens(own) => own,
             Tables::Fanuc(own) => own,
             Tables::Listed(own) => own,
             Tables::Isg(own) => own,
         };
-        own.downcast_ref()
+        own.downcast_ref().unwrap_or(T::EMPTY)
     }
+}
+
+/// The memory of a format family.
+pub(crate) trait Memory: Any {
+    /// One that holds nothing.
+    const EMPTY: &'static Self;
+}
+
+impl Memory for siemens::SiemensTables {
+    const EMPTY: &'static Self = &siemens::SiemensTables::NONE;
+}
+
+impl Memory for fanuc::FanucMemory {
+    const EMPTY: &'static Self = &fanuc::FanucMemory::NONE;
+}
+
+impl Memory for isg::IsgTables {
+    const EMPTY: &'static Self = &isg::IsgTables::NONE;
 }
 
 // Tables whose points stand one by one, with a column for both directions of travel or one for each.
@@ -140,4 +158,8 @@ impl ListedTables {
 
     /// No table.
     pub(crate) const NONE: ListedTables = ListedTables { tables: Vec::new(), set: None };
+}
+
+impl Memory for ListedTables {
+    const EMPTY: &'static Self = &ListedTables::NONE;
 }

@@ -183,11 +183,6 @@ pub(crate) fn collisions(
     problems.or_ok(())
 }
 
-/// What switches old tables on that the new files leave in the control.
-pub(crate) fn left_over(profile: &Profile, active: &ActiveControl, new: &Tables) -> Vec<String> {
-    family(&profile.dialect).left_over(&active.tables, new)
-}
-
 /// Each of them has to be off.
 pub(crate) fn switched_off(
     profile: &Profile,

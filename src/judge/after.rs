@@ -9,17 +9,15 @@
 //! its figures are those of [`crate::judge::forecast`] without a table: largest |deviation| of a term,
 //! max − min along a diagonal. Straight runs of the diagonals give figures of the diagonals only.
 
-mod doubts;
 mod ground;
 mod measurement;
-mod observation;
 
-pub use self::doubts::UnseenReversal;
-pub(crate) use self::doubts::unseen_reversal;
-pub(crate) use self::ground::{ensure_same_machine, not_known, outside, same_slopes};
-pub use self::measurement::{AfterMeasurement, StraightRuns};
-pub(crate) use self::observation::observations;
-pub use self::observation::{Observation, Part, before_um};
+pub use self::ground::UnseenReversal;
+pub(crate) use self::ground::{
+    ensure_same_machine, not_known, outside, same_slopes, unseen_reversal,
+};
+pub(crate) use self::measurement::observations;
+pub use self::measurement::{AfterMeasurement, Observation, Part, StraightRuns, before_um};
 
 use self::ground::ensure_common_ground;
 use crate::inputs::error_table::Cause;
@@ -136,9 +134,8 @@ pub fn compare(
         }
     }
     let is_missing = |term: &ErrorTerm| !as_left.terms.iter().any(|line| line.term == *term);
-    let missing = before.measured().map(|(term, _)| term);
-    let missing = missing.filter(is_missing).collect();
-    let mut findings = doubts::findings(machine.as_measured, before, after);
+    let missing = before.measured().map(|(term, _)| term).filter(is_missing).collect();
+    let mut findings = ground::findings(machine.as_measured, before, after);
     findings.extend(off_forecast(before, after, &as_left, &terms).map(Finding::from));
     Ok(Comparison { terms, diagonals, as_left, findings, missing })
 }

@@ -1,21 +1,17 @@
 //! FANUC: what was read out of it, against a job and against a kit.
 
-mod machine;
 mod read_out;
-mod surroundings;
 
 use crate::control::controller::{FanucFacts, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey};
 use crate::inputs::job::Job;
 use crate::judge::active::{ActiveControl, Found, Others, ReadOutReader};
-use crate::judge::before::{Before, ChangedBy, Old, unknown};
-use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::{Family, Side};
+use crate::judge::disagreement::{Entries, Entry, Item, Value};
+use crate::judge::family::{Before, ChangedBy, Family, Old, Side, unknown};
 use crate::judge::findings::{InControl, InSum};
 use crate::text::Problems;
 use crate::write::plan::axis_names;
-use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
@@ -23,7 +19,7 @@ impl Family for FanucFacts {
     }
 
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
-        let new = own(new);
+        let new: &FanucMemory = new.own();
         let sets = others.sets.iter();
         let sets = sets.filter(|set| new.whole(5710 + *set, None).is_some_and(|axis| axis != 0));
         let sets = sets.map(|set| {
@@ -42,7 +38,7 @@ impl Family for FanucFacts {
 
     /// Parameters.
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
-        left_over(own(old), own(new)).map(|key| key.words()).collect()
+        left_over(old.own(), new.own()).map(|key| key.words()).collect()
     }
 
     /// 3605#1: lines or steps between the points.
@@ -55,7 +51,7 @@ impl Family for FanucFacts {
         let Ok(names) = axis_names(job, profile) else {
             return Vec::new();
         };
-        let memory = own(&active.tables);
+        let memory = active.tables.own();
         let (mut axes, mut turned) = (Vec::new(), Vec::new());
         for (axis, names) in names.iter() {
             let Some(settings) = &mut job.compensation.axes[axis] else {
@@ -82,7 +78,7 @@ impl Family for FanucFacts {
 
     fn entries(&self, side: &Side<'_>) -> Entries {
         let Side { tables, diagnosis, .. } = side;
-        let own = own(tables);
+        let own: &FanucMemory = tables.own();
         let explained = |key: &ParameterKey| {
             let axis = key.axis.map(|axis| axis.to_string());
             let acts_on = |(base, output): &(String, String)| match &axis {
@@ -112,22 +108,50 @@ impl Family for FanucFacts {
 
     fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
         let wanted = before.compiled;
-        let (state, tables) = (&wanted.state, own(&wanted.tables));
-        let held = own(&before.held.tables);
-        let found = surroundings::found(before.plan, state, tables, held);
-        (found, surroundings::absent(&state.axes, tables, held))
+        let (state, tables) = (&wanted.state, wanted.tables.own());
+        let held = before.held.tables.own();
+        let found = read_out::around(before.plan, state, tables, held);
+        (found, read_out::absent(&state.axes, tables, held))
     }
 
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
-        old(before, before.tables().map(own))
+        let [kit, held, acted] = before.tables().map(Tables::own::<FanucMemory>);
+        let mut old = FanucMemory::default();
+        let mut missing = Vec::new();
+        for key in kit.parameters.keys() {
+            let value = held.parameters.get(key);
+            old.parameters.extend(value.map(|value| (*key, *value)));
+            missing.extend(value.is_none().then(|| key.to_string()));
+        }
+        for point in kit.points.keys() {
+            let value = held.points.get(point);
+            old.points.extend(value.map(|value| (*point, *value)));
+            missing.extend(value.is_none().then(|| format!("point {point}")));
+        }
+        if !missing.is_empty() {
+            return Err(missing);
+        }
+        let mut lacking = Vec::new();
+        for (key, by) in changed_by_hand(before, kit, acted) {
+            match held.parameters.get(&key) {
+                Some(value) => _ = old.parameters.insert(key, *value),
+                None if by == ChangedBy::Nobody => {}
+                None => {
+                    let words = key.words();
+                    let of_axis = words.rfind(' ').map_or(words.len(), |at| at + 1);
+                    let (name, axis) = words.split_at(of_axis);
+                    lacking.push((name.to_string(), axis.to_string(), by));
+                }
+            }
+        }
+        lacking.sort_by(|a, b| a.0.cmp(&b.0));
+        Ok(Old {
+            tables: Tables::Fanuc(old),
+            data: Vec::new(),
+            unknown: unknown(lacking),
+            stays: Vec::new(),
+        })
     }
-}
-
-/// The parameters and points of a memory; a memory of another family holds none.
-fn own(tables: &Tables) -> &FanucMemory {
-    const NONE: &FanucMemory =
-        &FanucMemory { parameters: BTreeMap::new(), points: BTreeMap::new() };
-    tables.own().unwrap_or(NONE)
 }
 
 /// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
@@ -149,45 +173,6 @@ fn left_over(old: &FanucMemory, new: &FanucMemory) -> impl Iterator<Item = Param
         is_switch && acts && !new.parameters.contains_key(key)
     };
     old.parameters.keys().filter(stays).copied()
-}
-
-/// Of the tables of a kit, of those held and of those that acted.
-fn old(before: &Before<'_>, [kit, held, acted]: [&FanucMemory; 3]) -> Result<Old, Vec<String>> {
-    let mut old = FanucMemory::default();
-    let mut missing = Vec::new();
-    for key in kit.parameters.keys() {
-        let value = held.parameters.get(key);
-        old.parameters.extend(value.map(|value| (*key, *value)));
-        missing.extend(value.is_none().then(|| key.to_string()));
-    }
-    for point in kit.points.keys() {
-        let value = held.points.get(point);
-        old.points.extend(value.map(|value| (*point, *value)));
-        missing.extend(value.is_none().then(|| format!("point {point}")));
-    }
-    if !missing.is_empty() {
-        return Err(missing);
-    }
-    let mut lacking = Vec::new();
-    for (key, by) in changed_by_hand(before, kit, acted) {
-        match held.parameters.get(&key) {
-            Some(value) => _ = old.parameters.insert(key, *value),
-            None if by == ChangedBy::Nobody => {}
-            None => {
-                let words = key.words();
-                let of_axis = words.rfind(' ').map_or(words.len(), |at| at + 1);
-                let (name, axis) = words.split_at(of_axis);
-                lacking.push((name.to_string(), axis.to_string(), by));
-            }
-        }
-    }
-    lacking.sort_by(|a, b| a.0.cmp(&b.0));
-    Ok(Old {
-        tables: Tables::Fanuc(old),
-        data: Vec::new(),
-        unknown: unknown(lacking),
-        stays: Vec::new(),
-    })
 }
 
 /// Parameters that no file of the kit writes and its preconditions ask for.

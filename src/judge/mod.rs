@@ -2,15 +2,12 @@
 //!
 //! `family` is the trait by which each family of controls, in its own folder, judges what was read out.
 
-mod declared;
 mod fanuc;
-mod isg;
-mod linuxcnc;
+mod listed;
 mod siemens;
 
 pub mod active;
 pub mod after;
-pub(crate) mod before;
 pub mod causes;
 pub mod conformity;
 pub mod disagreement;

@@ -1,9 +1,7 @@
 //! SINUMERIK: what was read out of it, against a job and against a kit.
 
 mod machine_data;
-mod not_read_out;
 mod read_out;
-mod surroundings;
 
 use self::machine_data::{
     BACKLASH, CEC_LIMIT, CEC_ON, Datum, LEC_ON, TABLE_ON, WEIGHT, number, numbered, of_place,
@@ -13,9 +11,8 @@ use crate::control::controller::SiemensFacts;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
 use crate::judge::active::{Found, Others, ReadOutReader};
-use crate::judge::before::{Before, ChangedBy, Old, unknown};
-use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::{Family, Side};
+use crate::judge::disagreement::{Entries, Entry, Item, Value};
+use crate::judge::family::{Before, ChangedBy, Family, Old, Side, unknown};
 use crate::judge::findings::{Difference, InControl};
 use crate::quantity::Axis;
 use crate::read::ReadBack;
@@ -32,7 +29,8 @@ impl Family for SiemensFacts {
 
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
         const HELP: &str = "state a `first_table` behind it in [compensation]";
-        let numbers = own(new).tables.iter().filter_map(|table| table.place.cec());
+        let new: &SiemensTables = new.own();
+        let numbers = new.tables.iter().filter_map(|table| table.place.cec());
         let taken = numbers.filter(|number| others.cec_tables.contains(number));
         let named = taken.map(|number| (Place::Cec(number).name(), HELP));
         named.collect()
@@ -40,17 +38,17 @@ impl Family for SiemensFacts {
 
     /// Their switches.
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
-        let new = own(new);
-        let places = own(old).tables.iter().map(|table| &table.place);
+        let (old, new): (&SiemensTables, &SiemensTables) = (old.own(), new.own());
+        let places = old.tables.iter().map(|table| &table.place);
         let stays = places.filter(|place| new.at(place).is_none());
         stays.map(|place| numbered(of_place(place)[0], &place.index())).collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
-        let others = own(side.others);
+        let [own, others]: [&SiemensTables; 2] = [side.tables, side.others].map(Tables::own);
         let explained = |t: &SiemensTable| !side.tells(&t.input_axis, &t.output_axis);
         let mut entries = Entries::new();
-        for own in &own(side.tables).tables {
+        for own in &own.tables {
             let SiemensTable { place, input_axis: moving, output_axis: output, .. } = own;
             let (mut name, mut alone, mut differing) = (place.name(), true, !explained(own));
             if let Some(system) = place.lec() {
@@ -78,17 +76,16 @@ impl Family for SiemensFacts {
     }
 
     fn other_settings(&self, wanted: &Compiled, read: &ReadBack) -> Vec<Difference> {
-        machine_data::differences(own(&wanted.tables), &wanted.stale, &read.machine_data, self)
+        machine_data::differences(wanted.tables.own(), &wanted.stale, &read.machine_data, self)
     }
 
     fn absent_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<Finding> {
-        machine_data::absent(own(wanted), &read.machine_data, self)
+        machine_data::absent(wanted.own(), &read.machine_data, self)
     }
 
     fn measuring_systems(&self, wanted: &Tables, found: &Tables) -> Vec<Difference> {
-        let lec = |tables| own(tables).tables.iter().filter_map(|table| table.place.lec());
-        let other = lec(found).filter_map(|(axis, is)| {
-            let (_, asked) = lec(wanted).find(|(job, _)| job.eq_ignore_ascii_case(axis))?;
+        let other = systems(found).filter_map(|(axis, is)| {
+            let (_, asked) = systems(wanted).find(|(job, _)| job.eq_ignore_ascii_case(axis))?;
             let (axis, is, asked) = (axis.clone(), is + 1, asked + 1);
             (is != asked).then_some(Difference::ForeignSystem { axis, is, asked })
         });
@@ -97,20 +94,53 @@ impl Family for SiemensFacts {
 
     fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
         let (wanted, held) = (before.compiled, before.held);
-        let tables = own(&wanted.tables);
-        let found = surroundings::cec_limits(held, tables, wanted.state.unit);
-        (found, surroundings::absent(tables, held))
+        let tables = wanted.tables.own();
+        let found = machine_data::cec_limits(held, tables, wanted.state.unit);
+        (found, machine_data::not_held(tables, held))
     }
 
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
-        old(before, before.tables().map(own))
+        let [kit, held, acted] = before.tables().map(Tables::own::<SiemensTables>);
+        let (mut tables, mut missing, mut stays) = (Vec::new(), Vec::new(), Vec::new());
+        for table in &kit.tables {
+            let name = table.place.name();
+            let held_at = |(of, index): &(Datum, String)| number(&before.held.data, *of, index);
+            let is_off = |switch| held_at(switch).is_some_and(|value| value <= 0.0);
+            match held.at(&table.place) {
+                Some(found) if found.values.iter().all(Option::is_some) => {
+                    tables.push(found.clone())
+                }
+                None if before.held.without_grid.contains(&table.place.to_string()) => {
+                    // One that is off may keep the values of the kit.
+                    match switches(table).iter().any(is_off) {
+                        true => stays.push(name),
+                        false => missing.push(format!(
+                            "{name} (read out without a grid, and not as switched off)"
+                        )),
+                    }
+                }
+                _ => missing.push(name),
+            }
+        }
+        if !missing.is_empty() {
+            return Err(missing);
+        }
+        let (mut data, mut lacking) = (Vec::new(), Vec::new());
+        for (of, index, by) in changed(before, kit, acted) {
+            match datum(&before.held.data, &variable(of, &index)) {
+                Some(found) => data.push(found.clone()),
+                None if by == Nobody => {}
+                None => lacking.push((format!("{} ${}", of.0, of.1), format!("[{index}]"), by)),
+            }
+        }
+        let tables = Tables::Siemens(SiemensTables { tables });
+        Ok(Old { tables, data, unknown: unknown(lacking), stays })
     }
 }
 
-/// The tables of a memory; a memory of another family holds none.
-fn own(tables: &Tables) -> &SiemensTables {
-    const NONE: &SiemensTables = &SiemensTables::NONE;
-    tables.own().unwrap_or(NONE)
+/// Axis and measuring system of each ENC_COMP table.
+fn systems(tables: &Tables) -> impl Iterator<Item = (&String, u32)> {
+    tables.own::<SiemensTables>().tables.iter().filter_map(|table| table.place.lec())
 }
 
 /// The parameters of a table as files write them.
@@ -133,41 +163,6 @@ fn fields(table: &SiemensTable) -> Vec<(&'static str, String)> {
 
 /// In which order the rollback sets machine data: what makes tables act comes last.
 const ORDER: [Datum; 6] = [BACKLASH, CEC_LIMIT, WEIGHT, LEC_ON, TABLE_ON, CEC_ON];
-
-/// Of the tables of a kit, of those held and of those that acted.
-fn old(before: &Before<'_>, [kit, held, acted]: [&SiemensTables; 3]) -> Result<Old, Vec<String>> {
-    let (mut tables, mut missing, mut stays) = (Vec::new(), Vec::new(), Vec::new());
-    for table in &kit.tables {
-        let name = table.place.name();
-        let held_at = |(of, index): &(Datum, String)| number(&before.held.data, *of, index);
-        let is_off = |switch| held_at(switch).is_some_and(|value| value <= 0.0);
-        match held.at(&table.place) {
-            Some(found) if found.values.iter().all(Option::is_some) => tables.push(found.clone()),
-            None if before.held.without_grid.contains(&table.place.to_string()) => {
-                // One that is off may keep the values of the kit.
-                match switches(table).iter().any(is_off) {
-                    true => stays.push(name),
-                    false => missing
-                        .push(format!("{name} (read out without a grid, and not as switched off)")),
-                }
-            }
-            _ => missing.push(name),
-        }
-    }
-    if !missing.is_empty() {
-        return Err(missing);
-    }
-    let (mut data, mut lacking) = (Vec::new(), Vec::new());
-    for (of, index, by) in changed(before, kit, acted) {
-        match datum(&before.held.data, &variable(of, &index)) {
-            Some(found) => data.push(found.clone()),
-            None if by == Nobody => {}
-            None => lacking.push((format!("{} ${}", of.0, of.1), format!("[{index}]"), by)),
-        }
-    }
-    let tables = Tables::Siemens(SiemensTables { tables });
-    Ok(Old { tables, data, unknown: unknown(lacking), stays })
-}
 
 /// All machine and setting data that change when the kit is loaded as its checklist says, each once.
 fn changed(

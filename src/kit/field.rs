@@ -14,9 +14,9 @@ use crate::control::checklist::{KitFacts, List, Listed, Paragraph, parts};
 use crate::control::claims::{Assumption, Precondition, SeenTo, shared};
 use crate::control::controller::{Mechanism, Role};
 use crate::judge::active::Origin;
-use crate::judge::before::{Before, ChangedBy, Old};
+
 use crate::judge::conformity::Verdict;
-use crate::judge::family::family;
+use crate::judge::family::{Before, ChangedBy, Old, family};
 use crate::judge::field::{Field, Pair};
 use crate::judge::forecast::Miss;
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
@@ -28,7 +28,7 @@ use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, emulator, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems, grouped};
 use crate::write::compensation::{Compiled, displayed, uses};
-use crate::write::emit::{self, Emitted, RenderedFile, Switch, Templates, Words};
+use crate::write::emit::{self, Emitted, RenderedFile, Switch, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
@@ -77,7 +77,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let parts = parts(&task.profile.checklist, &facts);
     let misses = misses(made);
     let words = Words { head: head(made, &misses), parts, about: about(made, &misses) };
-    files.extend(emit::render_checklist(task, &made.templates, compiled, &words)?);
+    files.extend(emit::render_checklist(task, compiled, &words)?);
     Ok(FieldKit { files, sign_proofs: shown, notes })
 }
 
@@ -331,12 +331,12 @@ fn rollback(made: &Made<'_>) -> Result<Rollback, Problems> {
         Ok(old) => old,
         Err(missing) => return Ok(Rollback::none(InRollback::Incomplete { missing })),
     };
-    before.written(&old, &made.templates)
+    before.written(&old)
 }
 
 impl Before<'_> {
     /// The files, read back, with what they do not do.
-    fn written(&self, old: &Old, templates: &Templates) -> Result<Rollback, Problems> {
+    fn written(&self, old: &Old) -> Result<Rollback, Problems> {
         let emitted = Emitted {
             tables: &old.tables,
             placements: &[],
@@ -345,7 +345,7 @@ impl Before<'_> {
             switches: old.data.iter().map(switch).collect(),
             ..Emitted::of_kit(self.task, self.compiled)
         };
-        let files = emit::render_those(templates, &emitted, |file| file.role == Role::Rollback)?;
+        let files = emit::render_those(&emitted, |file| file.role == Role::Rollback)?;
         let read = read_apart(self.task.profile, &as_read(&files), Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {
             return Ok(Rollback::none(InRollback::OtherForm));

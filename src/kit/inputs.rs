@@ -175,7 +175,8 @@ impl Inputs {
         let mut compiled = compile(self.task(), plan)?;
         if let Some(active) = &self.active {
             active::collisions(&self.job, &self.profile, active, &compiled.tables)?;
-            compiled.stale = active::left_over(&self.profile, active, &compiled.tables);
+            compiled.stale =
+                family(&self.profile.dialect).left_over(&active.tables, &compiled.tables);
             compiled.preconditions.extend(active::switched_off(&self.profile, &compiled.stale));
             compiled.assumptions.extend(active.assumptions.clone());
             compiled.notes.extend(self.active_notes.clone());

@@ -8,9 +8,9 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
 use crate::inputs::job::ActiveTables;
 use crate::judge::active::{ActiveControl, named_axis};
-use crate::judge::before::Before;
 use crate::judge::conformity::Verdict;
-use crate::judge::disagreement::{self, surroundings};
+use crate::judge::disagreement::{compare, contents};
+use crate::judge::family::Before;
 use crate::judge::field::Field;
 use crate::judge::findings::{InControl, not_emulated};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
@@ -21,7 +21,7 @@ use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, read, unread};
 use crate::text::{Finding, Problem, Problems, Severity, of_severity};
 use crate::write::compensation::Compiled;
-use crate::write::emit::{self, RenderedFile, Templates};
+use crate::write::emit::{self, RenderedFile};
 use crate::write::plan::{Plan, Task};
 use crate::write::target::wants;
 use serde_json::Value;
@@ -82,7 +82,7 @@ impl<'a> Loaded<'a> {
         let profile = &asked.inputs.profile;
         let read = read(profile, files)?;
         let (mut findings, found) = differences(&asked, &read);
-        let absent = disagreement::absent(profile, &asked.compiled.tables, &read);
+        let absent = contents::absent(profile, &asked.compiled.tables, &read);
         findings.extend(absent.into_iter().chain(of_state));
         let control = found.and_then(|found| match state == asked.compiled.state {
             true => Ok(found),
@@ -115,10 +115,10 @@ impl<'a> Loaded<'a> {
             findings.push(InControl::TakenAsOn { facts }.into());
         }
         let before = Before::of(inputs.task(), plan, compiled, active);
-        findings.extend(before.iter().flat_map(surroundings));
+        findings.extend(before.iter().flat_map(contents::surroundings));
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
-                let differs = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
+                let differs = compare(plan, wanted.as_ref(), found.as_ref());
                 findings.extend(differs.findings);
             }
             Err(reason) => findings.push(not_emulated(reason)),
@@ -166,16 +166,16 @@ fn differences(asked: &Asked<'_>, read: &ReadBack) -> (Vec<Finding>, Emulated<Bo
     let Asked { inputs, plan, compiled } = asked;
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
-    let contents = |diagnosis| disagreement::contents(profile, compiled, read, diagnosis);
+    let contents = |diagnosis| contents::contents(profile, compiled, read, diagnosis);
     if let (true, Ok(_)) = (compiled.tables == read.tables, &found) {
         // The same tables do the same: only what the files hold beside them is left to judge.
         return (contents(None), found);
     }
-    let mut findings = disagreement::measuring_systems(profile, &compiled.tables, &read.tables);
+    let mut findings = contents::measuring_systems(profile, &compiled.tables, &read.tables);
     let wanted = emulator(profile, &compiled.tables, &compiled.state);
     let diagnosis = match (&wanted, &found) {
         (Ok(wanted), Ok(found)) => {
-            let diagnosis = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
+            let diagnosis = compare(plan, wanted.as_ref(), found.as_ref());
             findings.extend(diagnosis.findings.iter().cloned());
             Some(diagnosis)
         }
@@ -292,7 +292,6 @@ pub(crate) struct Made<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) plan: Plan,
     pub(crate) compiled: Compiled,
-    pub(crate) templates: Templates,
     /// The files of the kit itself.
     pub(crate) files: Vec<RenderedFile>,
     /// What the tables that were read back from them add to every term; the tables are those of `compiled`.
@@ -309,8 +308,7 @@ impl Made<'_> {
     /// Refused unless every file reads back to exactly what was meant.
     pub(super) fn of(inputs: &Inputs) -> Result<Made<'_>, Problems> {
         let asked = Asked::of(inputs)?;
-        let templates = Templates::default();
-        let files = emit::render(inputs.task(), &templates, &asked.compiled)?;
+        let files = emit::render(inputs.task(), &asked.compiled)?;
         let loaded = Loaded::own(asked, &as_read(&files)).map_err(not_read_back)?;
         ensure_same(&loaded)?;
         let effect = loaded.effect()?;
@@ -323,7 +321,7 @@ impl Made<'_> {
         }
         let doubts = [doubts(inputs), loaded.unread.into_iter().collect()].concat();
         let verdict = judged(&forecast, inputs, &doubts);
-        Ok(Made { inputs, plan, compiled, templates, files, effect, forecast, verdict, doubts })
+        Ok(Made { inputs, plan, compiled, files, effect, forecast, verdict, doubts })
     }
 
     pub(crate) fn task(&self) -> Task<'_> {

@@ -11,15 +11,16 @@ use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
 use crate::kit::sha256;
 use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis, rounded};
-use crate::read::program::positions::{
-    self as readback_positions, Named as SetUp, Position, form_differences,
+use crate::read::program::walk::{
+    self as readback_positions, Bounds, Named as SetUp, Position, Walked, form_differences, walk,
 };
-use crate::read::program::walk::{Bounds, Walked, walk};
 use crate::read::program::{Cancelled, OwnWords, read};
 use crate::text::{Finding, Named, Problem, Problems};
-use crate::write::emit::program::{FileRole, ProgramFile, positions, programs, readings_to_fill};
 use crate::write::emit::{TOOL, other_letters};
-use crate::write::program::{MeasuringRun, MirrorSize, RunTask, SetUpProgram, plan};
+use crate::write::program::{
+    FileRole, MeasuringRun, MirrorSize, ProgramFile, RunTask, SetUpProgram, plan, positions,
+    programs, readings_to_fill,
+};
 use serde::Serialize;
 
 /// Programs and positions of a run, judged; as a document it is `manifest.json`, and what `--format json` prints.

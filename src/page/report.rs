@@ -23,7 +23,7 @@ use crate::kit::manifest::HashedFile;
 use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::{ErrorTerm, Figure};
 use crate::text::{Problems, escaped, plain};
-use crate::write::emit::{TOOL, Templates};
+use crate::write::emit::{self, TOOL};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -182,7 +182,7 @@ impl Report<'_> {
         let (name, text) = TEMPLATE;
         let usual = || Template { name: name.to_string(), text: text.into() };
         let template = self.template.clone().unwrap_or_else(usual);
-        Ok(Templates::default().page(&template, &context)?)
+        Ok(emit::page(&template, &context)?)
     }
 
     fn t(&self, key: &str) -> String {

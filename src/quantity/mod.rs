@@ -16,7 +16,9 @@ pub use self::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 pub use self::fit::{Fit, Nodes, residual, table_values};
 pub use self::pitch::USUAL_MM;
 pub use self::plane::{PerPlane, Plane};
-pub(crate) use self::units::{AT_PLACE_MM, SAME_PLACE_MM, URAD_PER_ARCSEC, picometres, rounded};
+pub(crate) use self::units::{
+    AT_PLACE_MM, SAME_PLACE_MM, URAD_PER_ARCSEC, ends, picometres, rounded,
+};
 pub use self::units::{
     Correction, Deviation, Figure, MM_PER_INCH, Millimetres, Squared, UM_PER_MM, larger,
     power_of_ten, smaller,

@@ -58,6 +58,12 @@ pub fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
+/// Smallest and largest of some numbers; (∞, −∞) of none.
+pub(crate) fn ends(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    numbers.fold(none, |(low, high), number| (low.min(number), high.max(number)))
+}
+
 /// The smaller of two.
 pub fn smaller(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }

@@ -18,24 +18,23 @@ mod table;
 use self::table::{Draft, Whose};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    Comments, DeclaredFacts, Factor, Field, Listed, Pattern, Said, Size,
+    Comments, DeclaredFacts, Factor, Field, Listed, Pattern, Role, Said, Size,
 };
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, own};
+use crate::read::family::{Family, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::{generic, listed};
 use crate::text::{Problem, Problems, shown};
 use std::ops::Range;
 
 impl Family for DeclaredFacts {
-    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
-        let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
-        Ok(Tables::Listed(tables(&texts, self, false)?).into())
+    fn read_kit(&self, texts: &[(&str, &str)], _roles: &[Role]) -> Result<ReadBack, Problems> {
+        Ok(Tables::Listed(tables(texts, self, false)?).into())
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        let tables: &ListedTables = own(tables)?;
+        let tables: &ListedTables = tables.own();
         Ok(Box::new(match self.factors.is_some() {
             true => listed::control(&acting(tables), self, state)?,
             false => listed::control(tables, self, state)?,
@@ -51,8 +50,7 @@ impl Family for DeclaredFacts {
         if self.typed.is_some() {
             return text.contains("position_mm");
         }
-        let patterns = self.lines.value.iter().filter(|own| own.has_fields());
-        let patterns: Vec<_> = patterns.collect();
+        let patterns: Vec<_> = self.lines.value.iter().filter(|own| own.has_fields()).collect();
         let is_taken = |line: &str| patterns.iter().any(|own| own.take(line).is_some());
         lines(text).any(|span| is_taken(&text[span]))
     }

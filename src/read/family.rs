@@ -1,19 +1,20 @@
-//! What judge, kit and command line ask of a family of controls, and the files of a kit read through it.
+//! What judge, kit and command line ask of a family of controls; the files of a kit, and the examples of a profile, read
+//! through it.
 
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Dialect, Encoding, Profile, Role};
+use crate::control::controller::{Added, Dialect, Encoding, Example, Profile, Role};
 use crate::control::table::Tables;
-use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
+use crate::quantity::{Direction, Figure, Millimetres};
+use crate::read::emulate::{Emulated, Emulator};
 use crate::read::findings::ReadFinding;
 use crate::read::siemens::MachineDatum;
 use crate::text::{Finding, Problem, Problems, joined, shown};
-use std::any::Any;
 use std::borrow::Cow;
 
 /// A family of controls; the facts of its profiles implement it, in its folder.
 pub(crate) trait Family {
-    /// All files of a kit as one memory, in the order in which they are loaded.
-    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems>;
+    /// All files of a kit, names and texts, as one memory, in the order in which they are loaded.
+    fn read_kit(&self, texts: &[(&str, &str)], roles: &[Role]) -> Result<ReadBack, Problems>;
 
     /// A control that holds these tables.
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>>;
@@ -65,12 +66,6 @@ pub(crate) fn load(profile: &Profile, held: &mut Tables, file: Tables) {
     family(&profile.dialect).load(held, file);
 }
 
-/// The tables of a memory for a control of their family.
-pub(super) fn own<T: Any>(tables: &Tables) -> Emulated<&T> {
-    let other = || CannotEmulate("the tables are not of the profile's dialect".to_string());
-    tables.own().ok_or_else(other)
-}
-
 /// A file of a kit as it lies on the disk.
 #[derive(Clone, Copy, Debug)]
 pub struct KitFile<'a> {
@@ -80,17 +75,6 @@ pub struct KitFile<'a> {
     pub role: Role,
     /// Its bytes.
     pub bytes: &'a [u8],
-}
-
-/// A file of a kit as text.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct KitText<'a> {
-    /// Its name.
-    pub(crate) path: &'a str,
-    /// What it is for.
-    pub(crate) role: Role,
-    /// What stands in it.
-    pub(crate) text: &'a str,
 }
 
 /// What a control holds after all files were loaded.
@@ -155,11 +139,9 @@ fn read_role(
     if texts.is_empty() && problems.is_empty() {
         return Err(Problem::new("there is no file to read back").into());
     }
-    let texts: Vec<KitText<'_>> = texts
-        .iter()
-        .map(|(KitFile { path, role, .. }, text)| KitText { path, role: *role, text })
-        .collect();
-    match problems.take(family(&profile.dialect).read_kit(&texts)) {
+    let roles: Vec<Role> = texts.iter().map(|(file, _)| file.role).collect();
+    let texts: Vec<(&str, &str)> = texts.iter().map(|(file, text)| (file.path, &**text)).collect();
+    match problems.take(family(&profile.dialect).read_kit(&texts, &roles)) {
         Some(read) => problems.or_ok(read),
         None => Err(problems),
     }
@@ -259,4 +241,73 @@ fn text<'a>(profile: &Profile, bytes: &'a [u8]) -> Option<Cow<'a, str>> {
 pub(crate) fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
     let text = kit_text(profile, file.bytes);
     family(&profile.dialect).may_obey(&text.unwrap_or_else(|| String::from_utf8_lossy(file.bytes)))
+}
+
+// What the reader and the emulated control make of a profile's examples, against what stands there.
+
+/// A correction of a manual is printed to this, µm.
+const PRINTED_UM: f64 = 1e-3;
+
+/// Reads the files of each example and compares what the control would add for them.
+///
+/// **limits** backlash parameters count as 0
+pub fn check_examples(profile: &Profile) -> Result<(), Problems> {
+    Problems::all(profile.examples.iter().map(|example| check(profile, example))).map(drop)
+}
+
+fn check(profile: &Profile, example: &Example) -> Result<(), Problems> {
+    let role = Role::Table;
+    let files = example.files.iter();
+    let files = files.map(|own| KitFile { path: &own.path, role, bytes: own.text.as_bytes() });
+    let files: Vec<KitFile<'_>> = files.collect();
+    let wrong = |words: String| Problem::new(format!("example of {}: {words}", example.source));
+    let read = read(profile, &files)?;
+    let control = emulator(profile, &read.tables, &example.state()).map_err(|why| wrong(why.0))?;
+    let compared = example.adds.iter().map(|added| {
+        let other = otherwise(control.as_ref(), added);
+        let help = "compare file, facts and what stands in `adds`";
+        other.map_or(Ok(()), |words| Err(wrong(words).help(help)))
+    });
+    Problems::all(compared).map(drop)
+}
+
+/// What the control adds where it is not what stands there.
+fn otherwise(control: &dyn Emulator, added: &Added) -> Option<String> {
+    let Added { axis, by, at_mm, moving, um } = added;
+    let base = by.as_ref().unwrap_or(axis);
+    let ways = Direction::BOTH.into_iter().filter(|way| moving.is_none_or(|own| own == *way));
+    let gets = |way: Direction| match control.response(base, axis, way) {
+        Err(why) => Some(why.0),
+        Ok(response) => {
+            let got = response.correction(Millimetres::new(*at_mm)).um();
+            ((got - um).abs() > PRINTED_UM).then(|| {
+                let [got, um, at] = [got, *um, *at_mm].map(|own| Figure(own).trimmed(6));
+                format!("{axis} gets {got} µm at {base} {at} mm moving in {way}, expected {um} µm")
+            })
+        }
+    };
+    ways.filter_map(gets).next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check_examples;
+    use crate::control::controller::builtin;
+
+    #[test]
+    fn every_profile_reads_its_examples_or_says_why_there_is_none() {
+        for id in builtin::ids() {
+            let mut profile = builtin::profile(id).unwrap();
+            assert_eq!(profile.examples.is_empty(), profile.no_example.is_some(), "{id}");
+            check_examples(&profile).unwrap_or_else(|p| panic!("{id}: {}", p.render()));
+            for own in 0..profile.examples.len() {
+                for added in 0..profile.examples[own].adds.len() {
+                    profile.examples[own].adds[added].um += 0.01;
+                    let told = check_examples(&profile).expect_err(id).render();
+                    assert!(told.contains("expected"), "{told}");
+                    profile.examples[own].adds[added].um -= 0.01;
+                }
+            }
+        }
+    }
 }

@@ -9,18 +9,17 @@
 //! the program writes, as a control does, and says where a control would stop or where it would
 //! understand something else than was meant.
 
-mod block;
+pub(super) mod block;
 mod control;
-pub(super) mod program;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use crate::control::control_state::ControlState;
-use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
+use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, Role};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, own};
+use crate::read::family::{Family, READ_OUT_AS_A_WHOLE, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
 use crate::text::{Problem, Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
@@ -60,13 +59,13 @@ const OF_CONCERN: [(u32, u32); 18] = [
 ];
 
 impl Family for FanucFacts {
-    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
-        let memories = Problems::all(files.iter().map(|file| read(file.path, file.text, self)))?;
+    fn read_kit(&self, texts: &[(&str, &str)], _roles: &[Role]) -> Result<ReadBack, Problems> {
+        let memories = Problems::all(texts.iter().map(|(name, text)| read(name, text, self)))?;
         Ok(Tables::Fanuc(merge(memories)?).into())
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(control::control(own(tables)?, self, state)?))
+        Ok(Box::new(control::control(tables.own(), self, state)?))
     }
 
     fn load(&self, held: &mut Tables, file: Tables) {

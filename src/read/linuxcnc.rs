@@ -8,35 +8,33 @@
 //! A table says neither its joint nor its type nor its unit, so none is read without the ini. Written from
 //! the C source and the runs named in docs/linuxcnc.md §4; of HAL files the form of a kit is read, no other.
 
-mod comp;
-mod hal;
-mod ini;
+mod files;
 
-use self::ini::Ini;
-pub(crate) use self::ini::Joint;
+use self::files::Ini;
+pub(crate) use self::files::Joint;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Columns, ControlUnit, CrossTerms, LinuxcncFacts};
+use crate::control::controller::{Columns, ControlUnit, CrossTerms, LinuxcncFacts, Role};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, file_name, own, quoted};
+use crate::read::family::{Family, ReadBack, file_name, quoted};
 use crate::read::findings::ReadFinding;
-use crate::read::lexer::{Complaint, lines};
+use crate::read::lexer::{Complaint, Cursor, lines, located};
 use crate::read::listed;
 use crate::read::program::blocks::Meaning::{self, End, Neutral};
 use crate::read::program::blocks::{Code, Vocabulary, refuse, without_comments};
 use crate::text::{Finding, Problem, Problems, shown};
 use part_program::Language;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 impl Family for LinuxcncFacts {
-    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
-        let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
-        let read = read(&texts, self)?;
+    fn read_kit(&self, texts: &[(&str, &str)], _roles: &[Role]) -> Result<ReadBack, Problems> {
+        let read = read(texts, self)?;
         Ok(ReadBack { notes: read.notes, ..Tables::Listed(read.tables).into() })
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(listed::control(own(tables)?, self, state)?))
+        Ok(Box::new(listed::control(tables.own(), self, state)?))
     }
 
     /// A joint has one table; a HAL file takes the place of another.
@@ -47,8 +45,8 @@ impl Family for LinuxcncFacts {
     }
 
     fn may_obey(&self, text: &str) -> bool {
-        let is_hal = self.cross_terms.value == CrossTerms::Hal && hal::is_hal(text);
-        is_hal || ini::is_ini(text) || comp::begins_with_a_row(text)
+        let is_hal = self.cross_terms.value == CrossTerms::Hal && files::is_hal(text);
+        is_hal || files::is_ini(text) || begins_with_a_row(text)
     }
 
     fn is_whole(&self, text: &str) -> bool {
@@ -76,9 +74,9 @@ pub(crate) struct Contents {
 /// **shape** tables ascending by joint · **unit** as in the files · **limits** refuses what the control does not
 /// do: a table that it stops reading before its end, a row that it drops, a file that is not there
 pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Contents, Problems> {
-    let (inis, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| ini::is_ini(text));
+    let (inis, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| files::is_ini(text));
     let takes_hal = facts.cross_terms.value == CrossTerms::Hal;
-    let is_hal = |(_, text): &(&str, &str)| takes_hal && hal::is_hal(text);
+    let is_hal = |(_, text): &(&str, &str)| takes_hal && files::is_hal(text);
     let (hals, others): (Vec<_>, Vec<_>) = others.into_iter().partition(is_hal);
     if inis.is_empty() && (hals.is_empty() || !others.is_empty()) {
         return Err(no_ini(&others).into());
@@ -101,7 +99,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
                 named.push(name);
                 let columns = joint.columns.unwrap_or(Columns::Reached);
                 let of_profile = columns == facts.columns.value;
-                let rows = problems.take(comp::rows(name, text, facts));
+                let rows = problems.take(rows(name, text, facts));
                 let points = rows.map(|rows| match of_profile {
                     true => rows,
                     false => rows.into_iter().map(in_other_columns).collect(),
@@ -136,7 +134,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
 fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Problems> {
     match hals {
         [] => Ok(Vec::new()),
-        [(name, text)] => hal::tables(name, text, facts),
+        [(name, text)] => files::tables(name, text, facts),
         [_, (name, _), ..] => Err(Problem::new(format!(
             "`{}` is a second HAL file",
             shown(name)
@@ -154,7 +152,7 @@ fn in_other_columns(row: Point) -> Point {
 
 /// The ini file of a machine has its kinematics, which lines for its joints do not.
 fn is_machines(text: &str) -> bool {
-    ini::sections(text).any(|section| section == "KINS" || section == "EMC")
+    files::sections(text).any(|section| section == "KINS" || section == "EMC")
 }
 
 /// The one ini that counts: that of the machine, which says by what it leaves out, too; else the only one.
@@ -238,6 +236,116 @@ fn comments(line: &str) -> impl Iterator<Item = &str> {
 fn is_active(comment: &str) -> bool {
     let word = comment.trim_start().to_ascii_uppercase();
     ACTIVE.iter().any(|active| word.starts_with(active))
+}
+
+// A table of a joint: `nominal forward reverse`, one row for each line.
+//
+// LinuxCNC stops reading without a word at the first line that does not begin with three numbers, drops rows
+// that do not ascend, and takes 256 (usrmotintf.cc, usrmotLoadComp). A file in which a row is lost so is
+// refused at that place: nobody meant it.
+
+/// LinuxCNC reads a line in pieces of this many characters.
+const LONGEST_LINE: usize = 253;
+
+/// Positions and values of a table lie below it, in mm or inch.
+const LONGEST: f64 = 1e6;
+
+/// The rows of a file.
+fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Problems> {
+    let refuse = |complaint| Err(located(file, text, vec![complaint]));
+    let mut rows: Vec<Point> = Vec::new();
+    let mut lines = lines(text).map(|span| (row(text, &span), span));
+    let stop = loop {
+        match lines.next() {
+            Some((Some(row), span)) => match wrong(&rows, row, &span, facts.rows.value) {
+                Some(complaint) => return refuse(complaint),
+                None => rows.push(row),
+            },
+            other => break other.map_or(0..0, |(_, span)| span),
+        }
+    };
+    if lines.any(|(row, _)| row.is_some()) {
+        return refuse(stops(stop));
+    }
+    if rows.is_empty() { refuse(no_row(stop)) } else { Ok(rows) }
+}
+
+/// Whether the first line is a row.
+fn begins_with_a_row(text: &str) -> bool {
+    lines(text).next().is_some_and(|span| row(text, &span).is_some())
+}
+
+/// The three numbers that a line begins with.
+fn row(text: &str, span: &Range<usize>) -> Option<Point> {
+    let mut cursor = Cursor::new(text, span.clone(), &[' ', '\t']);
+    let [position, forward] = [number(&mut cursor)?, number(&mut cursor)?];
+    Some(Point { position, forward, reverse: Some(number(&mut cursor)?) })
+}
+
+/// A number as `scanf` takes it; what stands behind it is left.
+fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
+    cursor.peek_word();
+    let start = cursor.at;
+    cursor.eat("+-");
+    let whole = cursor.digits();
+    let point = cursor.peek() == Some('.');
+    cursor.at += usize::from(point);
+    if whole.is_empty() && cursor.digits().is_empty() {
+        return None;
+    }
+    cursor.digits();
+    let mantissa = cursor.at;
+    if cursor.take(|c| "eE".contains(c)).len() == 1 {
+        cursor.take(|c| "+-".contains(c));
+    }
+    if cursor.digits().is_empty() {
+        cursor.at = mantissa;
+    }
+    let number = cursor.text(start..cursor.at).parse::<f64>().ok()?;
+    Some(number + 0.0) // −0 is 0
+}
+
+/// What is wrong with a row behind those before it.
+fn wrong(before: &[Point], row: Point, span: &Range<usize>, most: u32) -> Option<Complaint> {
+    let is_length = |number: f64| number.abs() < LONGEST;
+    let complaint = |message: String, help: &str| Some(Complaint::new(span.clone(), message, help));
+    if span.len() > LONGEST_LINE {
+        let message = format!("a line of {} characters, LinuxCNC takes {LONGEST_LINE}", span.len());
+        return complaint(message, "write three numbers in a line");
+    }
+    if ![row.position, row.forward].into_iter().chain(row.reverse).all(is_length) {
+        let message = "a number beyond every machine".to_string();
+        return complaint(message, "write positions and values in the machine unit");
+    }
+    let last = before.last().map(|last| last.position);
+    if let Some(last) = last.filter(|last| row.position <= *last) {
+        let message = format!(
+            "position {} does not lie above {last} of the row before: LinuxCNC drops the row",
+            row.position
+        );
+        return complaint(message, "rows ascend, each position once");
+    }
+    if before.len() >= most as usize {
+        let message = format!("a row behind the {most} that LinuxCNC takes: it runs without it");
+        return complaint(message, "use a larger spacing");
+    }
+    None
+}
+
+fn stops(span: Range<usize>) -> Complaint {
+    Complaint::new(
+        span,
+        "LinuxCNC stops reading here without a word: rows below this line do nothing",
+        "a table holds no comment, header or blank line",
+    )
+}
+
+fn no_row(span: Range<usize>) -> Complaint {
+    Complaint::new(
+        span,
+        "no row begins the file: LinuxCNC runs without this table, and says nothing",
+        "a table holds `nominal forward reverse` in each line and nothing else",
+    )
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emul
     };
     let ways = [way(|point| point.forward)?, way(reverse)?];
     meets_travel(own, &places_mm(form, &points), base, &ways)?;
-    Ok(Pair { base: table.base.clone(), output: table.output.clone(), ways })
+    Ok(Pair { base: table.base.clone(), output: table.output.clone(), ways: ways.map(Ok) })
 }
 
 /// The line of a factor over the travel, in mm.
@@ -190,8 +190,8 @@ fn as_float(number: f64) -> f64 {
 pub(super) struct Pair {
     pub(super) base: String,
     pub(super) output: String,
-    /// While the base axis moves in +, and in −.
-    pub(super) ways: [Response; 2],
+    /// While the base axis moves in +, and in −, as far as that is known.
+    pub(super) ways: [Emulated<Response>; 2],
 }
 
 impl Pair {
@@ -203,10 +203,10 @@ impl Pair {
 /// A control with its tables in memory.
 #[derive(Clone, Debug)]
 pub(super) struct PairControl {
-    pairs: Vec<Pair>,
+    pub(super) pairs: Vec<Pair>,
     /// Whether the table of an axis for itself stands in place of its backlash parameter.
-    replaces_backlash: bool,
-    state: ControlState,
+    pub(super) replaces_backlash: bool,
+    pub(super) state: ControlState,
 }
 
 impl PairControl {
@@ -234,7 +234,8 @@ impl Emulator for PairControl {
     fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         let own = self.pairs.iter().find(|pair| pair.is_for(base, output));
         let way = usize::from(direction == Direction::Minus);
-        let mut response = own.map(|own| own.ways[way].clone()).unwrap_or_default();
+        let mut response =
+            own.map_or_else(|| Ok(Response::default()), |own| own.ways[way].clone())?;
         let is_replaced = self.replaces_backlash && own.is_some();
         if base.eq_ignore_ascii_case(output) && !is_replaced {
             response.shift(known_axis(&self.state, base)?.backlash(direction));

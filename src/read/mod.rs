@@ -9,7 +9,6 @@
 
 pub mod declared;
 pub mod emulate;
-mod example;
 mod family;
 pub mod fanuc;
 mod findings;
@@ -21,9 +20,9 @@ mod listed;
 pub mod program;
 pub mod siemens;
 
-pub use self::example::check_examples;
 pub use self::family::{
-    FileData, KitFile, ReadBack, emulator, is_whole, read, read_apart, read_out_text,
+    FileData, KitFile, ReadBack, check_examples, emulator, is_whole, read, read_apart,
+    read_out_text,
 };
 pub(crate) use self::family::{file_name, load, may_be_meant_for, unread};
 pub(crate) use self::findings::ReadFinding;

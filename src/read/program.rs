@@ -10,7 +10,6 @@
 //! tool, no spindle).
 
 pub(super) mod blocks;
-pub mod positions;
 pub mod walk;
 
 pub use self::blocks::{Action, Cancelled, OwnWords, Step};
@@ -36,7 +35,7 @@ pub fn read(
     refuse_long_lines(file, text)?;
     let vocabulary = match language {
         Language::Siemens => &siemens::VOCABULARY,
-        Language::Fanuc => &fanuc::program::VOCABULARY,
+        Language::Fanuc => &fanuc::block::VOCABULARY,
         Language::Linuxcnc => &linuxcnc::VOCABULARY,
     };
     let steps = blocks::steps(text, vocabulary, words);

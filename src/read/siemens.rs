@@ -14,23 +14,21 @@
 //! documents leave open.
 
 mod contents;
-pub mod control;
+mod control;
 mod memory;
-mod read_out;
-mod statement;
-mod variable;
 
+mod statement;
+
+use self::contents::{Concern, concern, header, is_archive, is_program, sections};
 pub use self::contents::{MachineDatum, MachineValue, SiemensContents, merge};
 pub(crate) use self::contents::{datum, is_switch};
-use self::control::SiemensControl;
 use self::memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
-use self::read_out::{Concern, concern, header, is_archive, is_program, sections};
 use self::statement::{BLANKS, Statement, check_characters, code_of, is_end, statement};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, own};
+use crate::read::family::{Family, FileData, READ_OUT_AS_A_WHOLE, ReadBack};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::program::blocks::Cancelled::*;
@@ -42,15 +40,13 @@ use std::ops::Range;
 
 impl Family for SiemensFacts {
     /// A rollback holds a control's own tables, with their grids as they were.
-    fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
-        let is_rollback = files.iter().all(|file| file.role == Role::Rollback);
+    fn read_kit(&self, texts: &[(&str, &str)], roles: &[Role]) -> Result<ReadBack, Problems> {
+        let is_rollback = roles.iter().all(|role| *role == Role::Rollback);
         let writer = if is_rollback { Writer::Rollback } else { Writer::Kit };
-        let read = |file: &KitText<'_>| Reader::new(writer, file.path, file.text).strict();
-        let contents = Problems::all(files.iter().map(read))?;
-        let data = files.iter().zip(&contents).map(|(file, contents)| FileData {
-            path: file.path.to_string(),
-            role: file.role,
-            data: contents.machine_data.clone(),
+        let read = |(name, text): &(&str, &str)| Reader::new(writer, name, text).strict();
+        let contents = Problems::all(texts.iter().map(read))?;
+        let data = texts.iter().zip(roles).zip(&contents).map(|(((path, _), role), own)| {
+            FileData { path: path.to_string(), role: *role, data: own.machine_data.clone() }
         });
         let machine_data = data.collect();
         let merged = merge(contents)?;
@@ -63,7 +59,7 @@ impl Family for SiemensFacts {
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(SiemensControl::new(own(tables)?, self, state)?))
+        Ok(Box::new(control::control(tables.own(), self, state)?))
     }
 
     fn load(&self, held: &mut Tables, file: Tables) {
@@ -183,7 +179,11 @@ impl<'a> Reader<'a> {
     fn is_full(&mut self, line: &Range<usize>) -> bool {
         let has_too_many = self.statements > MOST_STATEMENTS || self.memory.is_full();
         if has_too_many {
-            self.complaints.push(too_many(line.clone()));
+            let message = format!(
+                "here are more than {MOST_STATEMENTS} statements, {MOST_TABLES} tables or {MOST_DATA} machine data of the compensation, too many for any control"
+            );
+            let help = "check that this is a file of the control";
+            self.complaints.push(Complaint::new(line.clone(), message, help));
         }
         has_too_many || self.complaints.len() >= MOST_COMPLAINTS
     }
@@ -308,16 +308,6 @@ fn no_end(end: usize) -> Complaint {
     )
 }
 
-fn too_many(line: Range<usize>) -> Complaint {
-    Complaint::new(
-        line,
-        format!(
-            "here are more than {MOST_STATEMENTS} statements, {MOST_TABLES} tables or {MOST_DATA} machine data of the compensation, too many for any control"
-        ),
-        "check that this is a file of the control",
-    )
-}
-
 fn after_end(line: Range<usize>) -> Complaint {
     Complaint::new(
         line,
@@ -363,8 +353,7 @@ fn is_message(line: &str) -> bool {
     let Some(inside) = inside.and_then(|rest| rest.strip_suffix(')')) else {
         return false;
     };
-    let text = inside.strip_prefix('"');
-    let text = text.and_then(|rest| rest.strip_suffix('"'));
+    let text = inside.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
     inside.is_empty() || text.is_some_and(|text| !text.contains('"'))
 }
 

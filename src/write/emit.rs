@@ -4,12 +4,12 @@
 //! turned into text here, once, so a template decides about layout and nothing else. What a
 //! template sees is printed by `nonius context JOB` and explained in docs/own-control.md §3.
 
-pub mod program;
 mod templates;
 
 pub use crate::write::control_text::Switch;
 pub(crate) use crate::write::family::Emitted;
-pub use templates::Templates;
+pub(crate) use templates::page;
+pub(super) use templates::text;
 
 use crate::control::checklist::{Paragraph, Part};
 use crate::control::controller::{EmittedFile, Encoding, Profile, Role, Template, builtin};
@@ -45,7 +45,7 @@ pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
 const PAGE_STYLE: &str = include_str!("../../templates/page.css");
 
 /// Names as the engine takes them.
-fn engine_context(names: &Seen) -> tera::Context {
+pub(super) fn engine_context(names: &Seen) -> tera::Context {
     let mut seen = tera::Context::new();
     let named = names.as_map().into_iter().flatten();
     let named = named.filter_map(|(name, own)| Some((name.as_str()?.to_string(), own.clone())));
@@ -107,14 +107,13 @@ fn path_of(file: &EmittedFile, item: &tera::Value) -> Option<String> {
 /// What the templates of a control see. Every number is finished text.
 pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<impl Serialize + use<>, Problems> {
     refuse_unsafe_text(task)?;
-    Ok(context_of(&Emitted::of_kit(task, compiled))?)
+    Ok(context_of(&Emitted::of_kit(task, compiled)))
 }
 
-fn context_of(emitted: &Emitted<'_>) -> Result<Seen, Problem> {
-    let own = family(emitted.task.profile).context(emitted).and_then(Seen::into_map);
-    let own = own.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
-    let head = head_of(emitted).into_map().unwrap_or_default();
-    Ok(head.into_iter().chain(own).collect::<Map>().into())
+fn context_of(emitted: &Emitted<'_>) -> Seen {
+    let own = family(emitted.task.profile).context(emitted);
+    let both = [head_of(emitted), own].into_iter().filter_map(Seen::into_map);
+    both.flatten().collect::<Map>().into()
 }
 
 /// What a context holds of every control.
@@ -181,7 +180,7 @@ fn refuse_unsafe_text(task: Task<'_>) -> Result<(), Problems> {
 }
 
 /// Texts of a job that cannot stand in comments of these files.
-fn refused_texts<'a>(
+pub(super) fn refused_texts<'a>(
     job: &Job,
     texts: impl Iterator<Item = (&'static str, &'a str)>,
     files: &str,
@@ -200,7 +199,7 @@ fn no_comment(what: &str, files: &str, problem: impl Fn(String) -> Problem) -> P
 }
 
 /// Texts of a job that stand in comments, with their keys.
-fn comment_texts(job: &Job) -> impl Iterator<Item = (&'static str, &str)> {
+pub(super) fn comment_texts(job: &Job) -> impl Iterator<Item = (&'static str, &str)> {
     let machine = &job.machine;
     let texts = [
         ("machine.name", Some(machine.name.as_str())),
@@ -223,13 +222,9 @@ pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<Finding> {
 }
 
 /// The tables, parameters and switches of the kit, with the control's line ends.
-pub fn render(
-    task: Task<'_>,
-    templates: &Templates,
-    compiled: &Compiled,
-) -> Result<Vec<RenderedFile>, Problems> {
+pub fn render(task: Task<'_>, compiled: &Compiled) -> Result<Vec<RenderedFile>, Problems> {
     refuse_unsafe_text(task)?;
-    render_those(templates, &Emitted::of_kit(task, compiled), |file| {
+    render_those(&Emitted::of_kit(task, compiled), |file| {
         !file.role.stands_apart() && file.role != Role::Checklist
     })
 }
@@ -240,7 +235,7 @@ pub(crate) fn render_unread(
     compiled: &Compiled,
 ) -> Result<Vec<RenderedFile>, Problems> {
     let emitted = Emitted::of_kit(task, compiled);
-    render_those(&Templates::default(), &emitted, EmittedFile::is_loaded_unread)
+    render_those(&emitted, EmittedFile::is_loaded_unread)
 }
 
 /// What a checklist says.
@@ -255,7 +250,6 @@ pub(crate) struct Words {
 /// The checklist, for people: line ends of every computer, not of the control.
 pub(crate) fn render_checklist(
     task: Task<'_>,
-    templates: &Templates,
     compiled: &Compiled,
     words: &Words,
 ) -> Result<Vec<RenderedFile>, Problems> {
@@ -276,7 +270,7 @@ pub(crate) fn render_checklist(
             false => [&words, &names].map(engine_context),
         };
         seen.extend(names);
-        let text = templates.text(&file.template, &seen)?;
+        let text = text(&file.template, &seen)?;
         let bytes = plain::page(&text.replace("\r\n", "\n")).into_owned().into_bytes();
         rendered.push(RenderedFile { path: file.path.clone(), role: file.role, bytes });
     }
@@ -286,13 +280,12 @@ pub(crate) fn render_checklist(
 /// A built-in template, filled in for people.
 pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
     let text = builtin::template(name).unwrap_or_default();
-    Templates::default().page(&Template { name: name.to_string(), text }, context)
+    page(&Template { name: name.to_string(), text }, context)
 }
 
 /// Those files of the profile that are wanted, each in its place: the tables and parameters of a kit, or what stands
 /// apart from them with tables of its own (rollback, the sign proof of a mechanism).
 pub(crate) fn render_those(
-    templates: &Templates,
     emitted: &Emitted<'_>,
     is_wanted: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
@@ -301,7 +294,7 @@ pub(crate) fn render_those(
     if wanted.is_empty() {
         return Ok(Vec::new());
     }
-    let own = context_of(emitted)?;
+    let own = context_of(emitted);
     let of_pages = LazyCell::new(|| page_of(&own, escaped));
     let (mut problems, mut files) = (Problems::none(), Vec::new());
     for file in wanted {
@@ -309,7 +302,7 @@ pub(crate) fn render_those(
         seen.insert("role", file.role.word());
         for (path, item) in problems.take(items(&seen, file)).unwrap_or_default() {
             seen.insert_value("item", item);
-            let text = templates.text(&file.template, &seen);
+            let text = text(&file.template, &seen);
             let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
             let file = |bytes| RenderedFile { path, role: file.role, bytes };
             files.extend(problems.take(bytes).map(file));

@@ -2,20 +2,21 @@
 
 pub mod four_point;
 mod numbers;
-mod requirements;
 mod tables;
 
 use self::numbers::{Run, is_four_point, runs};
 use self::tables::{Totals, Writer, points};
+use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::{ControlUnit, FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::Compensation;
-use crate::quantity::{Deviation, ErrorTerm};
-use crate::text::Problems;
-use crate::write::compiled::{Bump, Compiled, control_state};
-use crate::write::control_text::{Seen, seen};
-use crate::write::family::{Emitted, Family, ProofOf};
+use crate::quantity::{Axis, Deviation, Direction, ErrorTerm};
+use crate::text::{Problems, joined};
+use crate::write::control_text::{Seen, seen, trimmed};
+use crate::write::family::{
+    Bump, Compiled, Emitted, Family, ProofOf, backlash_parameter, control_state,
+};
 use crate::write::grid::{LengthDigit, as_number, whole};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
@@ -85,22 +86,20 @@ impl Family for FanucFacts {
             out.pitch(run);
         }
         out.straightness(&runs);
-        requirements::check_backlash(task, plan, &mut out.problems);
+        check_backlash(task, plan, &mut out.problems);
         out.placements.sort_by_key(|p| {
             let is_of = |t: &PlannedTable| (t.term, t.direction) == (p.term, p.direction);
             plan.tables.iter().position(is_of)
         });
+        let state = control_state(task, plan, |axis| {
+            let backlash = backlash_counts(task, plan, axis);
+            backlash.map_or(0.0, |(counts, unit_um)| counts * unit_um)
+        });
         out.problems.or_ok(Compiled {
-            assumptions: requirements::assumptions(task, plan, &runs),
-            preconditions: requirements::preconditions(task, plan, self, &runs),
-            stale: Vec::new(),
+            assumptions: assumptions(task, plan, &runs),
+            preconditions: preconditions(task, plan, self, &runs),
             notes: out.notes,
-            tables: Tables::Fanuc(out.memory),
-            placements: out.placements,
-            state: control_state(task, plan, |axis| {
-                let backlash = requirements::backlash_counts(task, plan, axis);
-                backlash.map_or(0.0, |(counts, unit_um)| counts * unit_um)
-            }),
+            ..Compiled::of(Tables::Fanuc(out.memory), out.placements, state)
         })
     }
 
@@ -115,8 +114,32 @@ impl Family for FanucFacts {
         }
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
-        Some(context(emitted.tables.own()?, self))
+    /// `parameters` (one block each, with its segments) and `points`.
+    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+        let memory: &FanucMemory = emitted.tables.own();
+        let identifier = |letter: &'static str| if self.q_identifier.value { letter } else { "" };
+        let mut blocks: BTreeMap<u32, Vec<Seen>> = BTreeMap::new();
+        for (ParameterKey { number, axis }, value) in &memory.parameters {
+            let of_path = identifier("L1").to_string();
+            let axis = axis.map_or(of_path, |axis| format!("A{axis}"));
+            let segment = seen! { "axis": axis, "value": text(*value) };
+            blocks.entry(*number).or_default().push(segment);
+        }
+        let parameters = blocks.into_iter().map(|(number, segments)| {
+            seen! { "number": digits(number, self), "identifier": identifier("Q1"), "segments": segments }
+        });
+        let points = memory.points.iter().map(|(point, increment)| {
+            seen! {
+                "number": digits(point + self.point_offset.value, self),
+                "point": point.to_string(),
+                "identifier": identifier("Q0"),
+                "value": increment.to_string(),
+            }
+        });
+        seen! {
+            "parameters": parameters.collect::<Vec<Seen>>(),
+            "points": points.collect::<Vec<Seen>>(),
+        }
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
@@ -142,41 +165,56 @@ impl Family for FanucFacts {
         }
     }
 
+    /// Points and straightness amounts of the kit, zero but for the bump. The parameters of the kit (3620 to 3624,
+    /// magnifications, sets) stay as they are: the bump is in counts of these magnifications.
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        memory(proof, self, proof.kit.own()?).map(Tables::Fanuc)
+        let kit: &FanucMemory = proof.kit.own();
+        let pairs = axis_pairs(&proof.plan.names, proof.term).into_iter();
+        let pairs = pairs.map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)));
+        let pairs: Vec<(u32, u32)> = pairs.collect::<Option<_>>()?;
+        let (runs, _) = runs(proof.task, proof.plan, self, &mut Problems::none());
+        let mut out = FanucMemory::default();
+        if proof.mechanism == Mechanism::Pitch {
+            for run in &runs {
+                let has_bump = pairs.iter().any(|(_, output)| *output == run.id);
+                let totals = has_bump.then(|| totals(proof.bump, self.pitch_sign.value));
+                for first in std::iter::once(run.first).chain(run.minus_first) {
+                    points(&mut out, first, run, totals.as_ref());
+                }
+            }
+            return Some(Tables::Fanuc(out));
+        }
+        for index in 0..self.straightness_sets.value {
+            let axis = |first: u32| kit.count(first + index, None);
+            let (Some(moving), Some(output)) = (axis(5711), axis(5721)) else { continue };
+            let bump = pairs.contains(&(moving, output)).then_some(proof.bump);
+            let sign = self.straightness_sign.value;
+            let run = runs.iter().find(|run| run.id == moving)?;
+            if proof.mechanism == Mechanism::PerPoint {
+                let first = axis(self.straightness_start_parameter.value)?;
+                points(&mut out, first, run, bump.map(|bump| totals(bump, sign)).as_ref());
+            } else {
+                four_points(kit, index, run, bump.map(|bump| (bump, sign)), &mut out)?;
+            }
+        }
+        Some(Tables::Fanuc(out))
     }
 
+    /// Points of the kit that no proof writes would keep what the control holds: the first file that
+    /// holds points writes zeros there.
     fn zero_the_rest(&self, kit: &Tables, proofs: &mut [&mut Tables]) {
-        if let Tables::Fanuc(kit) = kit {
-            zero_the_rest(kit, proofs);
+        let kit: &FanucMemory = kit.own();
+        let proofs = proofs.iter_mut().filter_map(|tables| match tables {
+            Tables::Fanuc(memory) => Some(memory),
+            _ => None,
+        });
+        let mut proofs: Vec<&mut FanucMemory> = proofs.collect();
+        let is_missing = |point: &&u32| !proofs.iter().any(|p| p.points.contains_key(*point));
+        let rest: Vec<u32> = kit.points.keys().filter(is_missing).copied().collect();
+        if let Some(memory) = proofs.iter_mut().find(|p| !p.points.is_empty()) {
+            let zeros = rest.into_iter().map(|point| (point, 0));
+            memory.points.extend(zeros);
         }
-    }
-}
-
-/// What the templates see: `parameters` (one block each, with its segments) and `points`.
-fn context(memory: &FanucMemory, facts: &FanucFacts) -> Seen {
-    let identifier = |letter: &'static str| if facts.q_identifier.value { letter } else { "" };
-    let mut blocks: BTreeMap<u32, Vec<Seen>> = BTreeMap::new();
-    for (ParameterKey { number, axis }, value) in &memory.parameters {
-        let of_path = identifier("L1").to_string();
-        let axis = axis.map_or(of_path, |axis| format!("A{axis}"));
-        let segment = seen! { "axis": axis, "value": text(*value) };
-        blocks.entry(*number).or_default().push(segment);
-    }
-    let parameters = blocks.into_iter().map(|(number, segments)| {
-        seen! { "number": digits(number, facts), "identifier": identifier("Q1"), "segments": segments }
-    });
-    let points = memory.points.iter().map(|(point, increment)| {
-        seen! {
-            "number": digits(point + facts.point_offset.value, facts),
-            "point": point.to_string(),
-            "identifier": identifier("Q0"),
-            "value": increment.to_string(),
-        }
-    });
-    seen! {
-        "parameters": parameters.collect::<Vec<Seen>>(),
-        "points": points.collect::<Vec<Seen>>(),
     }
 }
 
@@ -192,60 +230,6 @@ fn text(value: ParameterValue) -> String {
             let text = format!("{}", real + 0.0);
             if text.contains('.') { text } else { format!("{text}.0") }
         }
-    }
-}
-
-// Points and straightness amounts of the kit, zero but for the bump.
-//
-// The parameters of the kit (3620 to 3624, magnifications, sets) stay as they are: the bump is in
-// counts of these magnifications.
-
-/// What the file of a mechanism writes.
-fn memory(proof: &ProofOf<'_>, facts: &FanucFacts, kit: &FanucMemory) -> Option<FanucMemory> {
-    let pairs = axis_pairs(&proof.plan.names, proof.term).into_iter();
-    let pairs = pairs.map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)));
-    let pairs: Vec<(u32, u32)> = pairs.collect::<Option<_>>()?;
-    let (runs, _) = runs(proof.task, proof.plan, facts, &mut Problems::none());
-    let mut out = FanucMemory::default();
-    if proof.mechanism == Mechanism::Pitch {
-        for run in &runs {
-            let has_bump = pairs.iter().any(|(_, output)| *output == run.id);
-            let totals = has_bump.then(|| totals(proof.bump, facts.pitch_sign.value));
-            for first in std::iter::once(run.first).chain(run.minus_first) {
-                points(&mut out, first, run, totals.as_ref());
-            }
-        }
-        return Some(out);
-    }
-    for index in 0..facts.straightness_sets.value {
-        let axis = |first: u32| kit.count(first + index, None);
-        let (Some(moving), Some(output)) = (axis(5711), axis(5721)) else { continue };
-        let bump = pairs.contains(&(moving, output)).then_some(proof.bump);
-        let sign = facts.straightness_sign.value;
-        let run = runs.iter().find(|run| run.id == moving)?;
-        if proof.mechanism == Mechanism::PerPoint {
-            let first = axis(facts.straightness_start_parameter.value)?;
-            points(&mut out, first, run, bump.map(|bump| totals(bump, sign)).as_ref());
-        } else {
-            four_points(kit, index, run, bump.map(|bump| (bump, sign)), &mut out)?;
-        }
-    }
-    Some(out)
-}
-
-/// Points of the kit that no proof writes would keep what the control holds: the first file that
-/// holds points writes zeros there.
-fn zero_the_rest(kit: &FanucMemory, proofs: &mut [&mut Tables]) {
-    let proofs = proofs.iter_mut().filter_map(|tables| match tables {
-        Tables::Fanuc(memory) => Some(memory),
-        _ => None,
-    });
-    let mut proofs: Vec<&mut FanucMemory> = proofs.collect();
-    let is_missing = |point: &&u32| !proofs.iter().any(|p| p.points.contains_key(*point));
-    let rest: Vec<u32> = kit.points.keys().filter(is_missing).copied().collect();
-    if let Some(memory) = proofs.iter_mut().find(|p| !p.points.is_empty()) {
-        let zeros = rest.into_iter().map(|point| (point, 0));
-        memory.points.extend(zeros);
     }
 }
 
@@ -290,4 +274,168 @@ fn bump_nodes(bump: &Bump) -> [i64; 4] {
     let mut nodes = [0, bump.peak - bump.rise, bump.peak, bump.peak + bump.rise];
     nodes.sort_unstable();
     nodes
+}
+
+// What a person has to see to on the control: reference, bits, backlash, options.
+
+const MEMORY: &str = "parameter manual of the family, from memory";
+const LARGEST_BACKLASH: f64 = 9999.0; // 1851, detection units; parameter manual, from memory
+
+/// Backlash parameter of an axis in detection units, and the unit in µm.
+fn backlash_counts(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<(f64, f64)> {
+    let (um, unit_um) = (plan.backlash_um[axis]?, task.detection_unit_um(axis)?);
+    Some(((um / unit_um).round() + 0.0, unit_um))
+}
+
+fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {
+    for axis in Axis::ALL {
+        if let Some((counts, unit_um)) = backlash_counts(task, plan, axis)
+            && counts.abs() > LARGEST_BACKLASH
+        {
+            let words = format!(
+                "axis {axis} would need a backlash parameter of {counts} × {unit_um} µm, the control takes ±{LARGEST_BACKLASH}"
+            );
+            let problem = task.job.problem_at("compensation.backlash", words);
+            problems.push(problem.help("check the measurement and `detection_unit_um`"));
+        }
+    }
+}
+
+fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assumption> {
+    let compensation = &task.job.compensation;
+    let is_free = |run: &Run| task.settings(run.axis).is_some_and(|s| s.first_point.is_none());
+    let nothing_reserved = compensation.reserved_points.is_none() && runs.iter().any(is_free);
+    let reserved = nothing_reserved.then(|| {
+        let words =
+            "points already used by other axes would be overwritten: state `reserved_points`";
+        Assumption::of_job("reserved_points", "none", words)
+    });
+    let unused = runs.iter().filter(|run| plan.of_axis(run.axis).next().is_none());
+    let unused = unused.map(|Run { id, axis, .. }| {
+        let words = format!("an existing pitch compensation of axis {id} would be replaced by zeros: compensate E{axis}{axis} in the same job");
+        Assumption::of_job(format!("pitch_compensation_of_axis_{id}"), "none in use", words)
+    });
+    let is_asked = |run: &&Run| {
+        let settings = task.settings(run.axis);
+        settings.is_none_or(|s| s.interpolated.is_none() && s.parameter_3605.is_none())
+    };
+    let axes = joined(runs.iter().filter(is_asked).map(|run| run.id));
+    let interpolated = (!axes.is_empty()).then(|| {
+        let words = format!("between the points the forecast is off by up to one step: read 3605#1 of axis {axes} and leave it as it is; where it is 1 (as on the one control seen), state `interpolated = true` for that axis, else `false`, and generate again");
+        Assumption::of_job("interpolated", "false", words)
+    });
+    let first_set = (plan.has_cross() && compensation.first_set.is_none()).then(|| {
+        let words =
+            "straightness sets already in use from set 1 would be overwritten: state `first_set`";
+        Assumption::of_job("first_set", "1", words)
+    });
+    let all = reserved.into_iter().chain(unused).chain(interpolated).chain(first_set);
+    all.map(Assumption::undecided).collect()
+}
+
+fn preconditions(
+    task: Task<'_>,
+    plan: &Plan,
+    facts: &FanucFacts,
+    runs: &[Run],
+) -> Vec<Precondition> {
+    let mut list = vec![Precondition::new(
+        "option stored pitch error compensation",
+        "available (8135#0 = 0 where the control has it)",
+        "without it the tables stay without effect",
+        "B-64303CM-1/01 section 1.3.1",
+    )];
+    if plan.has_cross() {
+        let name = if is_four_point(facts) {
+            "option straightness compensation"
+        } else {
+            "option 128-point straightness compensation"
+        };
+        list.push(Precondition::new(name, "available", "the cross terms need it", MEMORY));
+    }
+    if runs.iter().any(|run| run.minus_first.is_some()) {
+        list.push(Precondition::new(
+            "option bidirectional pitch error compensation",
+            "available",
+            "separate tables for travel in + and -",
+            "A-77810E/02",
+        ));
+    }
+    let power_on = Precondition::new(
+        "the power of the control",
+        "switched off and on after loading 3620 to 3627",
+        "the parameters act only then (alarm PW0000 or P/S 000)",
+        "cnc.wiki, FANUC pitch error compensation; alarm numbers from memory",
+    );
+    let homed = Precondition::new(
+        "every axis concerned",
+        "returned to its reference point after power-on",
+        "the compensation acts only after the reference return",
+        "cnc.wiki, FANUC pitch error compensation",
+    );
+    list.extend([power_on, homed].map(Precondition::after_loading));
+    list.push(Precondition::new("3602#0", "0", "the data are increments, not totals", MEMORY));
+    for run in runs {
+        list.extend(axis_preconditions(task, plan, run));
+    }
+    list
+}
+
+fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Precondition> {
+    let id = run.id;
+    let Some(machine) = task.job.machine.axes[run.axis] else {
+        return Vec::new();
+    };
+    let unit = task.job.compensation.control_unit;
+    let mut list = vec![Precondition::new(
+        format!("1240 of axis {id}"),
+        format!(
+            "{} {}",
+            trimmed(machine.reference.mm() / unit.in_mm(), 6),
+            unit.word()
+        ),
+        "the points are anchored on the reference position; if it is elsewhere, switching the tables on moves the axis",
+        "B-64303CM-1/01 section 1.3.1",
+    ).dangerous()];
+    let settings = task.settings(run.axis);
+    let directed = run.minus_first.is_some();
+    if settings.is_none_or(|s| s.parameter_3605.is_none()) {
+        list.push(Precondition::new(
+            format!("3605#0 of axis {id}"),
+            if directed { "1" } else { "0" },
+            "bidirectional pitch error compensation; the parameter is not written: it holds other bits, which stay as they are",
+            "A-77810E/02",
+        ).boxed());
+        let stated = settings.and_then(|s| s.interpolated);
+        list.extend(stated.map(|on| {
+            Precondition::new(
+                format!("3605#1 of axis {id}"),
+                if on { "1" } else { "0" },
+                "interpolated pitch error compensation, as the job states or the files of the control hold it",
+                MEMORY,
+            )
+        }));
+    }
+    let bit = if machine.homing() == Direction::Plus { "0" } else { "1" };
+    list.push(Precondition::new(
+        format!("1006#5 of axis {id}"),
+        bit,
+        format!(
+            "reference return in {}; it decides which direction carries the reversal",
+            machine.homing()
+        ),
+        MEMORY,
+    ));
+    list.extend(backlash(task, plan, run));
+    list
+}
+
+fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
+    plan.of_axis(run.axis).next()?;
+    let what = format!("1851 and 1852 of axis {}", run.id);
+    let named = |_| {
+        let (counts, unit_um) = backlash_counts(task, plan, run.axis).unwrap_or_default();
+        format!("{counts} (detection units of {unit_um} µm)")
+    };
+    Some(backlash_parameter(task, plan, run.axis, what, named, MEMORY))
 }

@@ -17,11 +17,10 @@ use crate::quantity::{
     UM_PER_MM, power_of_ten, rounded, unit,
 };
 use crate::text::{Problem, Problems};
-use crate::write::compiled::{
-    Compiled, Placement, backlash_parameter, backlash_text, control_state,
-};
 use crate::write::control_text::{Seen, fixed, seen};
-use crate::write::family::{Emitted, Family, ProofOf};
+use crate::write::family::{
+    Compiled, Emitted, Family, Placement, ProofOf, backlash_parameter, backlash_text, control_state,
+};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key};
@@ -60,40 +59,34 @@ impl Family for IsgFacts {
         let placed =
             placed.map(|own| Placement::of(own, format!("by {}", own.term.along), count_um));
         let backlash_um = |axis| plan.backlash_um[axis].map_or(0.0, |um| backlash_text(um).1);
+        let state = control_state(task, plan, backlash_um);
         Ok(Compiled {
-            placements: placed.collect(),
             preconditions: preconditions(task, plan, &tables),
-            stale: Vec::new(),
-            tables: Tables::Isg(tables),
-            state: control_state(task, plan, backlash_um),
-            assumptions: Vec::new(),
             notes,
+            ..Compiled::of(Tables::Isg(tables), placed.collect(), state)
         })
     }
 
     fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        match (mechanism, tables) {
-            (Mechanism::VolcompAngles, Tables::Isg(tables)) => tables.has_angles(),
-            _ => true,
-        }
+        mechanism != Mechanism::VolcompAngles || tables.own::<IsgTables>().has_angles()
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
-        let tables: &IsgTables = emitted.tables.own()?;
+    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+        let tables: &IsgTables = emitted.tables.own();
         let axis = |(axis, number): (Axis, &Option<u32>)| {
             let number = number.map_or(String::new(), |number| number.to_string());
             seen! { "letter": axis.to_string(), "number": number }
         };
-        Some(seen! {
+        seen! {
             "axes": tables.axes.iter().map(axis).collect::<Vec<Seen>>(),
             "chain": Axis::letters(&tables.chain),
             "blocks": self.blocks(tables),
-        })
+        }
     }
 
     /// Angles are 0 too, so nothing but the bump acts.
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        let kit: &IsgTables = proof.kit.own()?;
+        let kit: &IsgTables = proof.kit.own();
         let of_kit = kit.curves.iter().map(|curve| {
             let has_bump = curve.parameter == Parameter::Deviation(proof.term);
             let deviations = proof.deviations(has_bump, curve.points.len());

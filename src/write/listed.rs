@@ -8,9 +8,8 @@ use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Roundi
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
-use crate::write::compiled::{Compiled, Placement, backlash_text, column, control_state};
 use crate::write::control_text::fixed;
-use crate::write::family::ProofOf;
+use crate::write::family::{Compiled, Placement, ProofOf, backlash_text, column, control_state};
 use crate::write::task::{Plan, PlannedTable, Task};
 
 /// A plan in the numbers of a control, without preconditions and notes.
@@ -36,15 +35,7 @@ pub(super) fn compile(
     check_ends(task, plan, form, cancels)?;
     let placed = plan.tables.iter();
     let placed = placed.map(|own| Placement::of(own, place(own), form(own).count_um()));
-    Ok(Compiled {
-        placements: placed.collect(),
-        preconditions: Vec::new(),
-        stale: Vec::new(),
-        tables: Tables::Listed(ListedTables::of(tables)),
-        state,
-        assumptions: Vec::new(),
-        notes: Vec::new(),
-    })
+    Ok(Compiled::of(Tables::Listed(ListedTables::of(tables)), placed.collect(), state))
 }
 
 /// What the numbers mean of a planned table. Of the generic table each direction has its own block, and values without
@@ -72,10 +63,7 @@ pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable)
 
 /// Whether a kit uses the mechanism of tables of axes for themselves, or that of tables that follow another axis.
 pub(super) fn uses([own, cross]: [Mechanism; 2], mechanism: Mechanism, tables: &Tables) -> bool {
-    let Tables::Listed(held) = tables else {
-        return true;
-    };
-    let mut tables = held.tables.iter();
+    let mut tables = tables.own::<ListedTables>().tables.iter();
     match mechanism {
         it if it == own => tables.any(ListedTable::is_own),
         it if it == cross => tables.any(|table| !table.is_own()),

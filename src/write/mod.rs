@@ -1,12 +1,10 @@
 //! From the errors of the machine to the bytes that the control loads.
 //!
-//! `task` and `compiled` pass from step to step; `family` is the trait that each family of controls implements in
+//! `task` passes from step to step; `family` is the trait that each family of controls implements in
 //! its own folder.
 
-mod compiled;
 mod control_text;
 mod family;
-mod slips;
 mod task;
 
 mod declared;

@@ -6,11 +6,9 @@
 //! * A cross term goes into one CEC table (or two) for each physical output axis.
 //! * No product tables are ever made: a misreading of their meaning moves an axis by millimetres.
 
-mod context;
 mod parameters;
 
 pub(crate) use self::parameters::encoder;
-
 use self::parameters::{
     assumptions, at_reference, backlash_text, is_lec, largest_sum_um, preconditions,
 };
@@ -21,9 +19,8 @@ use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTa
 use crate::inputs::job::Compensation;
 use crate::quantity::{Deviation, ErrorTerm, power_of_ten};
 use crate::text::Problems;
-use crate::write::compiled::{Compiled, Placement, control_state};
-use crate::write::control_text::{Seen, trimmed};
-use crate::write::family::{Emitted, Family, ProofOf};
+use crate::write::control_text::{Seen, Switch, fixed, seen, trimmed};
+use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
 use crate::write::grid::{Grid, LengthDigit};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
@@ -98,21 +95,16 @@ impl Family for SiemensFacts {
         let tables = SiemensTables::of(tables);
         check_sum(task, &tables, self)?;
         let backlash = |um: f64| backlash_text(task, um).1;
+        let state = control_state(task, plan, |axis| plan.backlash_um[axis].map_or(0.0, backlash));
         Ok(Compiled {
             assumptions: assumptions(task, plan, &tables),
             preconditions: preconditions(task, plan, &tables),
-            stale: Vec::new(),
-            notes: Vec::new(),
-            state: control_state(task, plan, |axis| plan.backlash_um[axis].map_or(0.0, backlash)),
-            tables: Tables::Siemens(tables),
-            placements,
+            ..Compiled::of(Tables::Siemens(tables), placements, state)
         })
     }
 
     fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        let Tables::Siemens(tables) = tables else {
-            return true;
-        };
+        let tables: &SiemensTables = tables.own();
         match mechanism {
             Mechanism::EncComp => tables.lec().next().is_some(),
             Mechanism::Cec => tables.cec().next().is_some(),
@@ -121,9 +113,27 @@ impl Family for SiemensFacts {
         }
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
-        let tables: &SiemensTables = emitted.tables.own()?;
-        Some(context::context(emitted, tables, self))
+    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+        let tables: &SiemensTables = emitted.tables.own();
+        let Emitted { task, compiled, placements, as_read, .. } = *emitted;
+        let digits = Digits { facts: self, as_read };
+        let of_table = |table| of_table(table, placements, digits);
+        let held = |table| held(&compiled.state, self, table);
+        seen! {
+            "lec": tables.lec().map(of_table).collect::<Vec<Seen>>(),
+            "cec": tables.cec().map(of_table).collect::<Vec<Seen>>(),
+            "lec_sense": self.lec_sign.value.words(),
+            "cec_sense": self.cec_sign.value.words(),
+            "lec_sense_evidence": self.lec_sign.evidence.of_sense(),
+            "cec_sense_evidence": self.cec_sign.evidence.of_sense(),
+            "cec_outputs": tables.cec_outputs(),
+            "stale": compiled.stale.iter().filter_map(|switch| switch.split(' ').next_back()).collect::<Vec<_>>(),
+            "cec_memory_fixed": if self.cec_memory_fixed.value { "yes" } else { "no" },
+            "controller_reference": task.reference_text(),
+            "lec_at_reference": zero_but_for(task, tables.lec().filter_map(held)),
+            "cec_at_reference": zero_but_for(task, tables.cec().filter_map(held)),
+            "switches": emitted.switches.iter().map(Switch::seen).collect::<Vec<Seen>>(),
+        }
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
@@ -139,16 +149,13 @@ impl Family for SiemensFacts {
 
     /// One place of each table: where it holds most.
     fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {
-        let Tables::Siemens(tables) = tables else {
-            return Vec::new();
-        };
-        tables.tables.iter().map(|table| shown(state, table)).collect()
+        tables.own::<SiemensTables>().tables.iter().map(|table| shown(state, table)).collect()
     }
 
     /// Every physical axis of the term has the bump, so that the two sides of a gantry move alike; CEC tables
     /// of the term have it in both directions.
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        let kit: &SiemensTables = proof.kit.own()?;
+        let kit: &SiemensTables = proof.kit.own();
         let pairs = axis_pairs(&proof.plan.names, proof.term);
         let is_lec = proof.mechanism == Mechanism::EncComp;
         let own = kit.tables.iter().filter(|table| table.place.lec().is_some() == is_lec);
@@ -171,8 +178,7 @@ fn shown(state: &ControlState, table: &SiemensTable) -> String {
     let on = place.cec().map_or(String::new(), |_| format!(" on {}", table.output_axis));
     let way = table.direction.map_or(String::new(), |way| format!(", having come there in {way}"));
     let unit = state.unit.word();
-    let written = values.iter().enumerate();
-    let written = written.filter_map(|(i, v)| Some((i, (*v)?)));
+    let written = values.iter().enumerate().filter_map(|(i, v)| Some((i, (*v)?)));
     // The last point may lie behind the end of the travel: the axis cannot go there.
     let mm = |index: usize| grid.position(index) * state.unit.in_mm();
     let is_reached = |index: usize| {
@@ -230,4 +236,97 @@ fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Re
     );
     let help = "check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`";
     Err(task.job.problem_at("compensation.controller", words).help(help).into())
+}
+
+// What Siemens templates see: `lec`, `cec`, and the switches of both.
+
+/// What the tables of a file hold at the reference point, where they move an axis when switched.
+fn zero_but_for(task: Task<'_>, exceptions: impl Iterator<Item = String>) -> Vec<String> {
+    let exceptions: Vec<String> = exceptions.collect();
+    let but = if exceptions.is_empty() { "" } else { ", but for" };
+    let zero = format!("zero at the reference point {}{but}", task.reference_text());
+    std::iter::once(zero).chain(exceptions).collect()
+}
+
+/// What a table holds at the reference point of its base axis, if that is not zero.
+fn held(state: &ControlState, facts: &SiemensFacts, table: &SiemensTable) -> Option<String> {
+    let value = at_reference(state, table);
+    let text = fixed(value, facts.value_decimals.value);
+    let base = &table.input_axis;
+    let way = table.direction.map_or(String::new(), |way| format!(" while {base} moves in {way}"));
+    let (name, unit) = (table.place.name(), state.unit.word());
+    (value.abs() > 0.0).then(|| format!("  {name}: {text} {unit}{way}"))
+}
+
+fn of_table(table: &SiemensTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
+    let title = title(placements, &table.place.name());
+    let (grid, points) = (digits.grid(&table.grid), digits.points(&table.values, &table.grid));
+    let memory = table.values.len().to_string();
+    match &table.place {
+        Place::Lec { axis, encoder } => seen! {
+            "encoder": encoder.to_string(),
+            "axis": axis.as_str(),
+            "title": title,
+            "grid": grid,
+            "memory": memory,
+            "points": points,
+        },
+        Place::Cec(number) => seen! {
+            "number": number.to_string(),
+            "input_axis": table.input_axis.as_str(),
+            "output_axis": table.output_axis.as_str(),
+            "title": title,
+            "grid": grid,
+            "direction": table.direction_text(),
+            "memory": memory,
+            "points": points,
+        },
+    }
+}
+
+/// The term of a table in words, by the place it was put.
+fn title(placements: &[Placement], place: &str) -> String {
+    let placement = placements.iter().find(|p| p.place.split(", ").any(|one| one == place));
+    placement.map_or_else(
+        || place.to_string(),
+        |p| {
+            let travel = p.direction;
+            let travel = travel.map_or(String::new(), |way| format!(" while it travels in {way}"));
+            format!("{}: deviation of {} over {}{travel}", p.term, p.term.of, p.term.along)
+        },
+    )
+}
+
+/// How numbers become text.
+#[derive(Clone, Copy)]
+struct Digits<'a> {
+    facts: &'a SiemensFacts,
+    /// All digits of a number that has more than the profile writes.
+    as_read: bool,
+}
+
+impl Digits<'_> {
+    fn text(self, number: f64, decimals: u32) -> String {
+        let text = fixed(number, decimals);
+        if self.as_read && text.parse() != Ok(number) {
+            return format!("{number}");
+        }
+        text
+    }
+
+    fn grid(self, grid: &SiemensGrid) -> Seen {
+        let text = |number: f64| self.text(number, self.facts.position_decimals.value);
+        seen! { "min": text(grid.min), "step": text(grid.step), "max": text(grid.max) }
+    }
+
+    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Seen> {
+        let of_point = |(index, value): (usize, &Option<f64>)| {
+            Some(seen! {
+                "index": index.to_string(),
+                "position": fixed(grid.position(index), self.facts.position_decimals.value),
+                "value": self.text((*value)?, self.facts.value_decimals.value),
+            })
+        };
+        values.iter().enumerate().filter_map(of_point).collect()
+    }
 }

@@ -10,14 +10,13 @@
 //! reads the table as its profile says; if it reads it the other way round, the axis goes h
 //! further. Tables, grids and numbers are those of the kit, so nothing else is overwritten.
 
-pub use crate::write::compiled::{Bump, SignProof};
+pub use crate::write::family::{Bump, SignProof};
 
 use crate::control::table::Tables;
 use crate::inputs::job::{LEAST_BUMP_UM, MachineAxis};
 use crate::quantity::{ErrorTerm, Millimetres};
 use crate::text::Finding;
-use crate::write::compiled::{Compiled, whole_below};
-use crate::write::family::{ProofOf, family};
+use crate::write::family::{Compiled, ProofOf, family, whole_below};
 use crate::write::findings::TableFinding;
 use crate::write::grid::Grid;
 use crate::write::task::{Plan, PlannedTable, Task};

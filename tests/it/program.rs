@@ -6,8 +6,8 @@ use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::target_runs::{Runs, Stated};
 use nonius::kit::program_kit::{ProgramKit, judge, make};
 use nonius::text::Problems;
-use nonius::write::emit::program::{FileRole, ProgramFile};
 use nonius::write::findings::RunFinding;
+use nonius::write::program::{FileRole, ProgramFile};
 use nonius::write::program::{Open, RunTask, left_open};
 use proptest::prelude::*;
 

@@ -5,14 +5,13 @@ use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
 use crate::text::{section, words};
-use std::collections::BTreeMap;
 
 pub(super) static FAMILY: Family = Family {
     word: "fanuc",
     backlash_parameter: "backlash parameter (1851)",
     between: "step",
     outside: &[Outside::Hold],
-    no_tables: Tables::Fanuc(FanucMemory { parameters: BTreeMap::new(), points: BTreeMap::new() }),
+    no_tables: Tables::Fanuc(FanucMemory::NONE),
     off: "0",
     restarts: true,
     proofs: &[

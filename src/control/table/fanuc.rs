@@ -71,6 +71,10 @@ pub struct FanucMemory {
 }
 
 impl FanucMemory {
+    /// Nothing.
+    pub(crate) const NONE: FanucMemory =
+        FanucMemory { parameters: BTreeMap::new(), points: BTreeMap::new() };
+
     /// The content of a parameter of an axis (or of none).
     pub fn parameter(&self, number: u32, axis: Option<u32>) -> Option<ParameterValue> {
         self.parameters.get(&ParameterKey { number, axis }).copied()

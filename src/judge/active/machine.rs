@@ -104,8 +104,7 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
         use InControl::{OfOthers, OtherSystem, SwitchedOff};
         matches!(finding, OfOthers { .. } | OtherSystem { .. } | SwitchedOff { .. })
     };
-    let passed_over = active.findings.iter();
-    let passed_over = passed_over.filter(|f| f.kind().is_some_and(is_passed_over));
+    let passed_over = active.findings.iter().filter(|f| f.kind().is_some_and(is_passed_over));
     let passed_over: Vec<String> = passed_over.map(ToString::to_string).collect();
     let found = match passed_over.as_slice() {
         [] => "the files hold no correction at all".to_string(),

@@ -208,16 +208,6 @@ impl ReadOutReader<'_> {
     pub(crate) fn has(&self, name: &str) -> bool {
         self.axis(name).is_some()
     }
-
-    /// Takes out of `tables` those of which one axis is none of the job.
-    pub(crate) fn take_others<T>(
-        &self,
-        tables: &mut Vec<T>,
-        axes: impl Fn(&T) -> [String; 2],
-    ) -> Vec<T> {
-        let is_other = |table: &mut T| !axes(table).iter().all(|axis| self.has(axis));
-        tables.extract_if(.., is_other).collect()
-    }
 }
 
 /// The axis of the job that the control calls by this name.

@@ -1,10 +1,13 @@
-//! The measurement afterwards.
+//! The measurement afterwards, and what each of its values sees.
 
 use crate::inputs::error_table::is_simulated;
+use crate::judge::field::Field;
 use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::readings::Walk;
-use crate::quantity::{PerDiagonal, Volume};
+use crate::quantity::{
+    Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerDiagonal, Squared, Volume,
+};
 use crate::text::Finding;
 
 /// A measurement of the machine with its tables active.
@@ -72,4 +75,202 @@ impl AfterMeasurement {
             }
         }
     }
+}
+
+// What each value of the second measurement sees: which deviations, where, with which weight.
+
+/// One deviation that a value sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Which error.
+    pub term: ErrorTerm,
+    /// The way its axis travels.
+    pub direction: Direction,
+    /// Where the axis stands.
+    pub at: Millimetres,
+    /// Its share: 1 for a term by itself, the direction cosine on a diagonal.
+    pub weight: f64,
+}
+
+impl Part {
+    /// The correction there, µm.
+    pub(super) fn added_um(&self, control: &Field) -> f64 {
+        control.correction(self.term, self.direction, self.at).um()
+    }
+}
+
+/// One value of the second measurement: Σ weight · deviation, less a zero of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// What it sees.
+    pub parts: Vec<Part>,
+    /// The value, µm.
+    pub um: f64,
+    /// The same of the machine without tables, from the first measurement: Σ weight · deviation, µm.
+    pub found_um: f64,
+    /// Standard uncertainty (k = 1) by what the first measurement does not repeat, µm; `None` = not stated.
+    pub u_um: Option<f64>,
+    /// Variance of what the first measurement says, likewise, µm²; 0 = not stated.
+    pub found_variance: f64,
+    /// Number of the curve or pass it stands on.
+    pub curve: usize,
+    /// Values with the same number count from the same zero.
+    pub zero: usize,
+    /// The diagonal it stands on, if it was measured along one.
+    pub diagonal: Option<Diagonal>,
+}
+
+impl Observation {
+    /// Σ weight · value of each part; `None` where one is unknown.
+    pub fn predicted(&self, value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+        weighted(&self.parts, value)
+    }
+
+    /// How far it is off what the first measurement and the tables say, µm.
+    pub(crate) fn off_um(&self, control: &Field) -> f64 {
+        let added_um = self.parts.iter().map(|part| part.weight * part.added_um(control));
+        self.um - self.found_um - added_um.sum::<f64>()
+    }
+
+    /// Whether it is a value of this term by itself.
+    pub(crate) fn is_of(&self, term: ErrorTerm) -> bool {
+        self.diagonal.is_none() && self.parts.iter().all(|part| part.term == term)
+    }
+}
+
+fn weighted(parts: &[Part], value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+    let values = parts.iter().map(|part| Some(part.weight * value(part)?));
+    values.sum()
+}
+
+/// Every value of the second measurement that the first one has an answer to.
+pub(crate) fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec<Observation> {
+    match after {
+        AfterMeasurement::Diagonals(runs) => along_diagonals(before, runs),
+        AfterMeasurement::Errors(model) => {
+            let mut seen = Vec::new();
+            for (zero, (term, measured)) in model.measured().enumerate() {
+                of_term(before, model, (term, measured), zero, &mut seen);
+            }
+            seen
+        }
+    }
+}
+
+fn of_term(
+    before: &ErrorModel,
+    after: &ErrorModel,
+    (term, measured): (ErrorTerm, &MeasuredTerm),
+    zero: usize,
+    seen: &mut Vec<Observation>,
+) {
+    let Some(first) = &before.terms[term] else {
+        return;
+    };
+    let ways = measured.measured.ways();
+    let u_um = after.u_anew_um(before, term);
+    for (number, (way, curve)) in ways.enumerate() {
+        seen.reserve_exact(curve.knots().len());
+        for at in curve.knots() {
+            let parts = parts_of(term, first, way, *at);
+            if let Some(found_um) = found_um(before, &parts) {
+                seen.push(Observation {
+                    found_variance: variance(&parts, |term| before.u_anew_um(after, term)),
+                    parts,
+                    um: curve.at(*at).um(),
+                    found_um,
+                    u_um,
+                    curve: 2 * zero + number,
+                    zero,
+                    diagonal: None,
+                });
+            }
+        }
+    }
+}
+
+/// Σ (weight · u)² over the errors that a value sees; parts of one term move together.
+fn variance(parts: &[Part], u_um: impl Fn(ErrorTerm) -> Option<f64>) -> f64 {
+    let of = |term: ErrorTerm| {
+        let weight: f64 = parts.iter().filter(|part| part.term == term).map(|p| p.weight).sum();
+        (weight * u_um(term).unwrap_or(0.0)).squared()
+    };
+    ErrorTerm::ALL.into_iter().map(of).sum()
+}
+
+/// What the first measurement says of a value; `None` where it has no answer.
+fn found_um(before: &ErrorModel, parts: &[Part]) -> Option<f64> {
+    let found = weighted(parts, |part| before_um(before, part));
+    found.filter(|_| !parts.is_empty())
+}
+
+/// A value without direction is the mean of the directions that were measured first; none where
+/// the first measurement has no answer.
+fn parts_of(
+    term: ErrorTerm,
+    first: &MeasuredTerm,
+    way: Option<Direction>,
+    at: Millimetres,
+) -> Vec<Part> {
+    let known = |direction: &Direction| {
+        let curve = first.measured.curve(*direction);
+        curve.is_some_and(|curve| {
+            let (low, high) = curve.measured_range();
+            at >= low && at <= high
+        })
+    };
+    let ways = Direction::BOTH.into_iter();
+    let ways: Vec<Direction> = ways
+        .filter(|direction| way.is_none_or(|way| way == *direction) && known(direction))
+        .collect();
+    let weight = if ways.len() == 2 { 0.5 } else { 1.0 };
+    let part = |direction| Part { term, direction, at, weight };
+    ways.into_iter().map(part).collect()
+}
+
+fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation> {
+    let mut seen = Vec::new();
+    for (number, walk) in runs.walks.iter().enumerate() {
+        let laser = runs.volume.laser(walk.diagonal);
+        for (node, um) in walk.um.iter().enumerate() {
+            let place = runs.volume.place(walk.diagonal, PathKind::Straight, node);
+            let part = |term: ErrorTerm| Part {
+                term,
+                direction: walk.diagonal.travelled(term.along, walk.pass),
+                at: place[term.along],
+                weight: laser[term.of],
+            };
+            let parts: Vec<Part> = ErrorTerm::ALL.into_iter().map(part).collect();
+            let Some(found_um) = found_um(before, &parts) else {
+                continue; // refused before: every term was measured in every direction walked
+            };
+            let u_um =
+                |term: ErrorTerm| before.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
+            seen.push(Observation {
+                found_variance: variance(&parts, u_um),
+                parts,
+                um: *um,
+                found_um,
+                u_um: runs.u_um,
+                curve: number,
+                zero: zero_of(runs.one_zero, walk.diagonal, walk.pass),
+                diagonal: Some(walk.diagonal),
+            });
+        }
+    }
+    seen
+}
+
+/// Passes of one diagonal share a zero where the reverse pass counts from the forward start.
+fn zero_of(one_zero: bool, diagonal: Diagonal, pass: Pass) -> usize {
+    let own = Diagonal::ALL.into_iter().position(|other| other == diagonal);
+    let back = usize::from(pass == Pass::Reverse && !one_zero);
+    2 * own.unwrap_or_default() + back
+}
+
+/// The deviation as found where a part of an observation looks, µm; `None` = not measured in this
+/// direction.
+pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
+    let measured = before.terms[part.term].as_ref()?;
+    Some(measured.measured.curve(part.direction)?.at(part.at).um())
 }

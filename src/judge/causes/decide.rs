@@ -9,7 +9,7 @@ use crate::judge::after::Part;
 use crate::judge::causes::change::{Change, Question, number};
 use crate::judge::causes::data::{Data, Fit, minus, plus, quantile};
 use crate::judge::causes::hypotheses::{CHECKS, Hypothesis};
-use crate::quantity::{Axis, Direction, ErrorTerm, Figure, Millimetres};
+use crate::quantity::{Axis, Direction, ErrorTerm, Figure, Millimetres, ends};
 use crate::text::joined;
 use nalgebra::{DMatrix, DVector};
 
@@ -256,12 +256,6 @@ impl Data<'_> {
         };
         change.shifts().into_iter().map(of).collect()
     }
-}
-
-/// Smallest and largest of some numbers; (∞, −∞) of none.
-pub(super) fn ends(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    numbers.fold(none, |(low, high), number| (low.min(number), high.max(number)))
 }
 
 /// The stretch around `best` on which `of` stays within `limit`, to `most` on either side. Where a

@@ -5,12 +5,11 @@
 //! parameters, foreign machine data. Every family lists what its tables hold, entry by entry; the lists
 //! are compared alike.
 
-use super::entries::{Entries, Entry, Item, Value};
+use super::{Entries, Entry, Item, Value};
 use crate::control::controller::Profile;
 use crate::control::table::Tables;
-use crate::judge::before::Before;
-use crate::judge::disagreement::entries::Disagreements;
-use crate::judge::family::{Side, family};
+use crate::judge::disagreement::Disagreements;
+use crate::judge::family::{Before, Side, family};
 use crate::judge::findings::{Difference, InControl, listed};
 use crate::read::ReadBack;
 use crate::text::Finding;

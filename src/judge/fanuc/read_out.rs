@@ -1,15 +1,17 @@
-//! Pitch, straightness and backlash parameters of a Fanuc read-out.
+//! A Fanuc read-out: its pitch, straightness and backlash parameters, and what it says of the machine against the job.
 
-use super::machine;
 use crate::control::claims::Assumption;
-use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
+use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
+use crate::inputs::job::{Job, MachineAxis};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
-use crate::quantity::{Axis, PerAxis};
+use crate::quantity::{Axis, PerAxis, power_of_ten, rounded};
 use crate::read::fanuc::{merge, read_out};
 use crate::text::Problems;
+use crate::write::plan::Plan;
 
 /// Functions whose parameters at 0 do nothing (docs/fanuc.md §2.1, §2.4).
 const IDLE_AT_ZERO: [(u32, u32); 5] =
@@ -32,8 +34,8 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     }
     let memory = merge(memories)?;
     let held = Held::plain(Tables::Fanuc(memory.clone()));
-    let unit = machine::unit(&memory);
-    for finding in machine::found(reading.job, &reading.names, &memory, facts) {
+    let unit = unit_of(&memory);
+    for finding in found(reading.job, &reading.names, &memory, facts) {
         reading.tell(finding);
     }
     let mut sorted = Sorted { reading, facts, memory };
@@ -220,4 +222,219 @@ impl Sorted<'_, '_> {
             !(idle && value.is_zero())
         });
     }
+}
+
+// What a Fanuc read-out says of the machine, against the job: unit, names, references, detection units and
+// travel of its axes, and how the control plays its points. What is compared of the tables themselves stands in [`super::read_out`].
+
+/// 1001#0 INM: whether the machine counts in inches.
+fn unit_of(memory: &FanucMemory) -> Option<ControlUnit> {
+    let is_inch = memory.bits(1001, None)? & 1 == 1;
+    Some(if is_inch { ControlUnit::Inch } else { ControlUnit::Millimetre })
+}
+
+/// What contradicts the job, axis by axis.
+fn found(
+    job: &Job,
+    names: &PerAxis<Vec<String>>,
+    memory: &FanucMemory,
+    facts: &FanucFacts,
+) -> Vec<InControl> {
+    let own = job.compensation.control_unit;
+    let is_same_unit = unit_of(memory).is_none_or(|unit| unit == own);
+    let mut found = Vec::new();
+    for (axis, names) in names.iter() {
+        for (index, name) in names.iter().enumerate() {
+            let on = OnControl { memory, name, unit: own, facts };
+            found.extend(on.other_name(axis, index == 0));
+            if !is_same_unit {
+                continue;
+            }
+            if let Some(machine) = &job.machine.axes[axis] {
+                found.extend(on.reference(machine.reference.mm()));
+                found.extend(on.travel(machine));
+            }
+            let settings = job.compensation.axes[axis].as_ref();
+            let stated = settings.and_then(|s| s.detection_unit_um);
+            found.extend(stated.and_then(|um| on.detection_unit(um)));
+        }
+    }
+    found
+}
+
+/// A controlled axis of the read-out.
+struct OnControl<'a> {
+    memory: &'a FanucMemory,
+    name: &'a str,
+    unit: ControlUnit,
+    facts: &'a FanucFacts,
+}
+
+impl OnControl<'_> {
+    /// Its number.
+    fn number(&self) -> Option<u32> {
+        self.name.parse().ok()
+    }
+
+    /// The last digit of a length, in the unit of the control.
+    fn digit(&self) -> f64 {
+        1.0 / power_of_ten(match self.unit {
+            ControlUnit::Millimetre => self.facts.interval_decimals_mm.value,
+            ControlUnit::Inch => self.facts.interval_decimals_inch.value,
+        })
+    }
+
+    /// A length in the unit of the control; a whole number counts its last digits, as 3624 does on the same
+    /// control.
+    fn length(&self, parameter: u32) -> Option<f64> {
+        let digits = self.memory.whole(parameter, self.number());
+        let digits = digits.map(|digits| digits as f64 * self.digit());
+        digits.or_else(|| self.memory.amount(parameter, self.number()))
+    }
+
+    /// 1020, the code of a letter. A slave of a gantry may have any but that of another linear axis.
+    fn other_name(&self, own: Axis, is_first: bool) -> Option<InControl> {
+        let code = self.memory.count(1020, self.number())?;
+        let letter = char::from_u32(code)?;
+        let others = if is_first { "XYZABC" } else { "XYZ" };
+        let is_other = others.contains(letter) && letter != own.letter();
+        let axis = self.name.to_string();
+        is_other.then_some(InControl::OtherName { axis, code, letter, own })
+    }
+
+    /// 1240, within half a digit of the control.
+    fn reference(&self, own_mm: f64) -> Option<InControl> {
+        let position = self.length(1240)?;
+        let off_mm = (position * self.unit.in_mm() - own_mm).abs();
+        (off_mm > 0.5 * self.digit() * self.unit.in_mm() * 1.001).then(|| InControl::Reference {
+            axis: self.name.to_string(),
+            position,
+            unit: self.unit.word(),
+            own_mm,
+        })
+    }
+
+    /// 1820 and 1013: the least command increment divided by CMR (both from memory).
+    fn detection_unit(&self, own_um: f64) -> Option<InControl> {
+        let cmr = self.memory.count(1820, self.number())?;
+        let system = self.memory.bits(1013, self.number())?;
+        let (system, of_is_b) = match system & 0b1111 {
+            0 => ("IS-B", 1.0),
+            1 => ("IS-A", 10.0),
+            2 => ("IS-C", 0.1),
+            4 => ("IS-D", 0.01),
+            8 => ("IS-E", 0.001),
+            _ => return None,
+        };
+        let per_unit = match cmr {
+            1..=96 => f64::from(cmr) / 2.0,
+            101..=127 => 1.0 / f64::from(cmr - 100),
+            _ => return None,
+        };
+        let increment_um = match self.unit {
+            ControlUnit::Millimetre => of_is_b,
+            ControlUnit::Inch => 2.54 * of_is_b,
+        };
+        let um = rounded(increment_um / per_unit, 6);
+        let axis = self.name.to_string();
+        let is_other = (um - own_um).abs() > 0.01 * um;
+        is_other.then_some(InControl::DetectionUnit { axis, cmr, system, um, own_um })
+    }
+
+    /// 1321 and 1320, the stored stroke limits; where − is not below +, there are none (from memory). They may
+    /// stand a little beside the travel that was stated; a tenth of it that no limit lets through is another
+    /// machine, or other coordinates.
+    fn travel(&self, own: &MachineAxis) -> Option<InControl> {
+        const SAME_MM: f64 = 1.0;
+        let limit = |parameter| Some(self.length(parameter)? * self.unit.in_mm());
+        let (low, high) = (limit(1321)?, limit(1320)?);
+        let (from, to) = (own.low.mm(), own.high.mm());
+        let beyond = (low - from).max(0.0) + (to - high).max(0.0);
+        let differs = (low - from).abs().max((high - to).abs()) > SAME_MM;
+        let axis = self.name.to_string();
+        if low >= high || !differs {
+            return None;
+        }
+        let (held_mm, own_mm) = ([low, high], [from, to]);
+        Some(match beyond > 0.1 * (to - from) {
+            true => InControl::TravelBeyond { axis, held_mm, own_mm },
+            false => InControl::OtherTravel { axis, held_mm, own_mm },
+        })
+    }
+}
+
+// What a read-out holds around the points: how the control plays them, its second backlash parameter.
+
+/// How a Fanuc control plays its points, and its second backlash parameter.
+pub(super) fn around(
+    plan: &Plan,
+    state: &ControlState,
+    wanted: &FanucMemory,
+    held: &FanucMemory,
+) -> Vec<InControl> {
+    let mut found = Vec::new();
+    for axis in &state.axes {
+        if wanted.parameter(3623, axis.name.parse().ok()).is_some() {
+            found.extend(switches(axis, wanted, held));
+        }
+        found.extend(rapid(plan, axis, held));
+    }
+    found
+}
+
+/// 3605 bits 0 and 1 of an axis with a pitch table.
+fn switches(axis: &AxisState, wanted: &FanucMemory, held: &FanucMemory) -> Vec<InControl> {
+    let number = axis.name.parse().ok();
+    let of_state = u8::from(axis.bidirectional) | (u8::from(axis.interpolated) << 1);
+    let asked = wanted.bits(3605, number).unwrap_or(of_state) & 0b11;
+    let Some(found) = held.bits(3605, number) else {
+        return vec![InControl::NoSwitches {
+            axis: axis.name.clone(),
+            directions: asked & 1,
+            interpolated: asked >> 1,
+        }];
+    };
+    let meanings = ["a table for each direction", "lines between the points, not steps"];
+    let other = meanings.into_iter().enumerate().map(|(bit, meaning)| {
+        let (is, asked) = ((found >> bit) & 1, (asked >> bit) & 1);
+        let axis = axis.name.clone();
+        (is != asked).then_some(InControl::OtherSwitch { bit, axis, is, asked, meaning })
+    });
+    other.flatten().collect()
+}
+
+/// 1852 beside 1851 where the job sets the backlash parameter. Which of the two acts in rapid
+/// traverse depends on a bit (1800#4, from memory) that is not read.
+fn rapid(plan: &Plan, axis: &AxisState, held: &FanucMemory) -> Option<InControl> {
+    let sets = |own: &Axis| plan.names[*own].contains(&axis.name) && plan.sets_backlash(*own);
+    if !Axis::ALL.iter().any(sets) {
+        return None;
+    }
+    let number = axis.name.parse().ok();
+    let of = |parameter| Some(held.amount(parameter, number)?.to_string());
+    let (axis, cutting) = (axis.name.clone(), of(1851));
+    match of(1852) {
+        None => cutting.map(|_| InControl::NoRapid { axis }),
+        Some(rapid) => (cutting.as_ref() != Some(&rapid)).then(|| InControl::RapidDiffers {
+            axis,
+            rapid,
+            cutting: cutting.unwrap_or("in no file".to_string()),
+        }),
+    }
+}
+
+/// Preconditions on parameters that no file holds, for the axes with a pitch table.
+pub(super) fn absent(axes: &[AxisState], wanted: &FanucMemory, held: &FanucMemory) -> Vec<String> {
+    let mut absent = Vec::new();
+    if held.parameters.keys().all(|key| key.number != 3602) {
+        absent.push("3602".to_string());
+    }
+    for axis in axes {
+        let number = axis.name.parse().ok();
+        let own = wanted.parameter(3623, number).is_some();
+        let lacks = |parameter: &u32| own && held.parameter(*parameter, number).is_none();
+        let lacking = [1006, 1240].into_iter().filter(lacks);
+        absent.extend(lacking.map(|parameter| format!("{parameter} of axis {}", axis.name)));
+    }
+    absent
 }

@@ -236,8 +236,7 @@ impl Forecast {
     ///        measured; where only steps make a figure larger, the finding says so
     pub fn worsened(&self) -> Vec<Finding> {
         let terms = self.terms.iter().map(|t| (t.term.to_string(), t.change));
-        let diagonals = self.diagonals.iter();
-        let diagonals = diagonals.map(|d| (format!("diagonal {}", d.name), d.change));
+        let diagonals = self.diagonals.iter().map(|d| (format!("diagonal {}", d.name), d.change));
         let worsened = |(what, change): (String, Change)| {
             let (before_um, after_um) = (change.before_um, change.after_um);
             let larger = |um: f64| um > before_um + SHOWN_UM;

@@ -85,9 +85,7 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
     let of_kit = Emitted::of_kit(made.task(), &made.compiled);
     let emitted = Emitted { tables: &proof.tables, notice, ..of_kit };
     let wanted = Some(proof.of.mechanism);
-    emit::render_those(&made.templates, &emitted, |file| {
-        file.role == Role::SignProof && file.mechanism == wanted
-    })
+    emit::render_those(&emitted, |file| file.role == Role::SignProof && file.mechanism == wanted)
 }
 
 fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Problems> {

@@ -9,8 +9,7 @@
 //! points of one table. Everything is checked while loading. Signs turn in [`crate::control::controller::TableSign::correction`] only.
 
 mod parameters;
-mod pitch;
-mod straightness;
+mod tables;
 #[cfg(test)]
 mod tests;
 
@@ -52,16 +51,17 @@ pub(super) fn control(
     let mut runs = Vec::new();
     for number in pitch_axes(memory) {
         let name = from.axis(number)?.name.clone();
-        let ways = pitch::load(from, number, &mut runs)?;
+        let ways = tables::load_pitch(from, number, &mut runs)?;
         pairs.extend(ways.map(|ways| ((name.clone(), name), ways)));
     }
-    for ([moving, compensation], table) in straightness::load(from, &mut runs)? {
+    for ([moving, compensation], table) in tables::load_straightness(from, &mut runs)? {
         let axes = (from.axis(moving)?, from.axis(compensation)?);
         let ways = pairs.entry((axes.0.name.clone(), axes.1.name.clone())).or_default();
         ways.iter_mut().for_each(|way| way.push(table.clone()));
     }
     refuse_shared(&runs)?;
-    let pairs = pairs.into_iter().map(|((base, output), ways)| Pair { base, output, ways });
+    let pairs =
+        pairs.into_iter().map(|((base, output), ways)| Pair { base, output, ways: ways.map(Ok) });
     PairControl::new(pairs.collect(), false, state)
 }
 

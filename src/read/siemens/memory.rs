@@ -4,9 +4,10 @@
 //! order and the last assignment of each counts (Function Manual Extended Functions 03/2013, K3
 //! p. 240-249: the assignments are independent statements).
 
-use super::contents::{MachineDatum, MachineValue, SiemensContents, datum, is_switch};
+use super::contents::{
+    Cell, MachineDatum, MachineValue, SiemensContents, datum, is_switch, variable,
+};
 use super::statement::Assignment;
-use super::variable::{Cell, variable};
 use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable};
 use crate::quantity::Direction;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS};

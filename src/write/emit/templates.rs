@@ -1,10 +1,9 @@
-//! The templates of a profile, each parsed once. The only user of Tera beside its contexts.
+//! The templates of profiles; those of the program are parsed once. The only user of Tera beside its contexts.
 
 use crate::control::controller::Template;
 use crate::text::{LARGEST_FILE_MIB, Place, Problem};
 use regex_automata::meta::Regex;
 use std::borrow::Cow;
-use std::cell::RefCell;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Error, Result as Written, Write};
@@ -43,65 +42,44 @@ impl Parsed {
 /// The templates of the program that were asked for, by their texts: parsed once in a process.
 static BUILT_IN: Mutex<BTreeMap<&str, Arc<Parsed>>> = Mutex::new(BTreeMap::new());
 
-/// The templates of one profile, in which a name always means the same text.
-#[derive(Default)]
-pub struct Templates {
-    /// Those of a user that were asked for, by their names.
-    own: RefCell<BTreeMap<String, Arc<Parsed>>>,
+/// A template, parsed.
+fn parsed(template: &Template) -> Result<Arc<Parsed>, Problem> {
+    let Cow::Borrowed(text) = &template.text else {
+        return Parsed::of(template);
+    };
+    let mut known = BUILT_IN.lock().unwrap_or_else(PoisonError::into_inner);
+    Ok(Arc::clone(match known.entry(text) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(new) => new.insert(Parsed::of(template)?),
+    }))
 }
 
-impl Templates {
-    /// A page of what a document holds.
-    pub(crate) fn page(
-        &self,
-        template: &Template,
-        document: &serde_json::Value,
-    ) -> Result<String, Problem> {
-        self.text(template, &tera::Context::from_serialize(document).map_err(no_context)?)
-    }
+/// A page of what a document holds.
+pub(crate) fn page(template: &Template, document: &serde_json::Value) -> Result<String, Problem> {
+    text(template, &tera::Context::from_serialize(document).map_err(no_context)?)
+}
 
-    fn parsed(&self, template: &Template) -> Result<Arc<Parsed>, Problem> {
-        fn found<K: Ord>(
-            entry: Entry<'_, K, Arc<Parsed>>,
-            of: &Template,
-        ) -> Result<Arc<Parsed>, Problem> {
-            Ok(Arc::clone(match entry {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => new.insert(Parsed::of(of)?),
-            }))
-        }
-        match &template.text {
-            Cow::Borrowed(text) => {
-                let mut parsed = BUILT_IN.lock().unwrap_or_else(PoisonError::into_inner);
-                found(parsed.entry(text), template)
-            }
-            Cow::Owned(_) => found(self.own.borrow_mut().entry(template.name.clone()), template),
-        }
+/// One file as text with `\n` line ends.
+pub(in crate::write) fn text(
+    template: &Template,
+    context: &tera::Context,
+) -> Result<String, Problem> {
+    let Template { name, text: source } = template;
+    let parsed = parsed(template)?;
+    let is_own = matches!(source, Cow::Owned(_)); // those of the program are known
+    if is_own && parsed.layout.work(context) > MOST_TAGS {
+        let what =
+            format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
+        return Err(too_much(name, &what));
     }
-
-    /// One file as text with `\n` line ends.
-    pub(super) fn text(
-        &self,
-        template: &Template,
-        context: &tera::Context,
-    ) -> Result<String, Problem> {
-        let Template { name, text: source } = template;
-        let parsed = self.parsed(template)?;
-        let is_own = matches!(source, Cow::Owned(_)); // those of the program are known
-        if is_own && parsed.layout.work(context) > MOST_TAGS {
-            let what =
-                format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
-            return Err(too_much(name, &what));
-        }
-        let mut text = Bounded::default();
-        let rendered = parsed.alone.render_to(&parsed.name, context, &mut text);
-        if text.is_full {
-            return Err(too_much(name, &format!("writes more than {LARGEST_FILE_MIB} MiB")));
-        }
-        rendered.map_err(|error| template_problem(name, source, &error))?;
-        String::from_utf8(text.bytes)
-            .map_err(|_| Problem::new(format!("template `{name}` does not write text")))
+    let mut text = Bounded::default();
+    let rendered = parsed.alone.render_to(&parsed.name, context, &mut text);
+    if text.is_full {
+        return Err(too_much(name, &format!("writes more than {LARGEST_FILE_MIB} MiB")));
     }
+    rendered.map_err(|error| template_problem(name, source, &error))?;
+    String::from_utf8(text.bytes)
+        .map_err(|_| Problem::new(format!("template `{name}` does not write text")))
 }
 
 pub(super) fn no_context(error: impl std::fmt::Display) -> Problem {
@@ -327,7 +305,7 @@ fn wrong(span: &Range<usize>, found: &str) -> Wrong {
 
 #[cfg(test)]
 mod tests {
-    use super::{BTreeMap, Template, Templates};
+    use super::{BTreeMap, Template, text};
     use crate::text::Problems;
     use crate::text::plain::tests::texts_of;
     use proptest::prelude::*;
@@ -335,12 +313,12 @@ mod tests {
 
     #[test]
     fn a_template_sees_nothing_of_those_rendered_before() {
-        let (templates, nothing) = (Templates::default(), tera::Context::new());
+        let nothing = tera::Context::new();
         let first = named("first", "one line\n");
-        assert_eq!(templates.text(&first, &nothing).expect("it is text"), "one line\n");
+        assert_eq!(text(&first, &nothing).expect("it is text"), "one line\n");
         let including = named("second", "{% include \"first\" %}");
-        assert!(templates.text(&including, &nothing).is_err());
-        assert_eq!(templates.text(&first, &nothing).expect("it is text"), "one line\n");
+        assert!(text(&including, &nothing).is_err());
+        assert_eq!(text(&first, &nothing).expect("it is text"), "one line\n");
     }
 
     /// One of a user.
@@ -360,7 +338,7 @@ mod tests {
     }
 
     fn said(template: &str, context: &tera::Context) -> Result<String, String> {
-        let rendered = Templates::default().text(&named("own.tera", template), context);
+        let rendered = text(&named("own.tera", template), context);
         rendered.map_err(|problem| Problems::from(problem).render())
     }
 

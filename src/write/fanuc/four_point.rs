@@ -100,10 +100,8 @@ pub fn best_fit(wanted: &[f64], reference: usize, amount_max: u32) -> Option<Fou
 
 /// Both sides as one set; the last point is repeated until there are four.
 fn joined(reference: usize, (left, right): &(Chain, Chain)) -> FourPoint {
-    let inner = left.knots[1..].iter().rev();
-    let inner = inner.map(|(node, amount)| (reference - node, *amount));
-    let outer = right.knots.iter();
-    let outer = outer.map(|(node, amount)| (reference + node, *amount));
+    let inner = left.knots[1..].iter().rev().map(|(node, amount)| (reference - node, *amount));
+    let outer = right.knots.iter().map(|(node, amount)| (reference + node, *amount));
     let knots: Vec<Knot> = inner.chain(outer).collect();
     let knot = |index: usize| knots[index.min(knots.len() - 1)];
     FourPoint {

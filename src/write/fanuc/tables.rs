@@ -14,7 +14,7 @@ use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::AxisSettings;
 use crate::quantity::{Axis, Direction};
 use crate::text::{Finding, Problems};
-use crate::write::compiled::Placement;
+use crate::write::family::Placement;
 use crate::write::fanuc::four_point::best_fit;
 use crate::write::fanuc::numbers::{Run, Space, is_four_point};
 use crate::write::findings::TableFinding;

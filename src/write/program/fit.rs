@@ -5,9 +5,8 @@ use crate::quantity::{Axis, PerAxis, pitch, rounded};
 use crate::text::{Finding, Problems};
 use crate::write::findings::RunFinding;
 use crate::write::program::RunTask;
-use crate::write::program::mirror::overrun_mm;
 use crate::write::program::route::{moving, readings_of, refuse_between_digits};
-use crate::write::program::run::MOST_READINGS;
+use crate::write::program::run::{MOST_READINGS, overrun_mm};
 
 /// What a run is refused for, in the order in which it is told.
 pub(super) const REFUSALS: [fn(RunTask<'_>, &mut Problems); 8] = [

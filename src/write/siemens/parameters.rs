@@ -7,7 +7,7 @@ use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::inputs::job::ActiveTables;
 use crate::quantity::{Axis, Figure, UM_PER_MM, power_of_ten};
-use crate::write::compiled::backlash_parameter;
+use crate::write::family::backlash_parameter;
 use crate::write::task::{Plan, PlannedTable, Task};
 
 /// Whether a planned table goes into ENC_COMP.
@@ -34,8 +34,7 @@ pub(super) fn backlash_text(task: Task<'_>, um: f64) -> (String, f64) {
 
 /// Largest sum of CEC corrections of any output axis, µm ([`SiemensTables::largest_cec_sum`]).
 pub(super) fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
-    let sums = tables.cec_outputs().into_iter();
-    let sums = sums.map(|output| tables.largest_cec_sum(&output));
+    let sums = tables.cec_outputs().into_iter().map(|output| tables.largest_cec_sum(&output));
     sums.fold(0.0, f64::max) * task.unit_um()
 }
 

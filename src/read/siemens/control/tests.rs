@@ -1,5 +1,7 @@
 use super::*;
+use crate::control::control_state::AxisState;
 use crate::control::controller::{Evidence, Fact, TableForm, TableSign};
+use crate::read::emulate::Emulator;
 use crate::read::siemens::read;
 use std::fmt::Write;
 
@@ -40,11 +42,11 @@ fn tables(text: &str) -> SiemensTables {
     contents.tables
 }
 
-fn control_with(text: &str, facts: &SiemensFacts, state: &ControlState) -> SiemensControl {
-    SiemensControl::new(&tables(text), facts, state).unwrap_or_else(|why| panic!("{}", why.0))
+fn control_with(text: &str, facts: &SiemensFacts, state: &ControlState) -> PairControl {
+    super::control(&tables(text), facts, state).unwrap_or_else(|why| panic!("{}", why.0))
 }
 
-fn control(text: &str) -> SiemensControl {
+fn control(text: &str) -> PairControl {
     control_with(text, &facts(), &state())
 }
 
@@ -97,7 +99,7 @@ fn assert_um(found: Correction, expected_um: f64) {
 }
 
 /// Own-axis response at a position.
-fn own(control: &SiemensControl, axis: &str, position: f64, direction: Direction) -> Correction {
+fn own(control: &PairControl, axis: &str, position: f64, direction: Direction) -> Correction {
     let response = control.response(axis, axis, direction).expect("a response");
     response.correction(at(position))
 }
@@ -163,7 +165,7 @@ fn a_table_may_be_multiplied_by_itself_but_not_in_a_chain() {
         |t, multiply| cec_text(t, ["X1", "Z1"], [0.0, 10.0, 10.0], [0, multiply], &[0.5, 0.5]);
     let own_square = control(&file(&[table(0, 1)]));
     assert_eq!(own_square.connected_axes().len(), 1);
-    let load = |text: &str| SiemensControl::new(&tables(text), &facts(), &state());
+    let load = |text: &str| super::control(&tables(text), &facts(), &state());
     let chain = why(load(&file(&[table(0, 2), table(1, 3), table(2, 0)])));
     assert!(chain.contains("chain"), "{chain}");
     let absent = why(load(&file(&[table(0, 5)])));
@@ -201,7 +203,7 @@ fn example_of_an_archive_modulo() {
     assert!((um(5.0) - um(355.0)).abs() > 0.1, "the two places differ");
     values[36] += 0.001;
     let open = tables(&file(&[lec_text("X1", [0.0, 10.0, 360.0], 1, &values)]));
-    let reason = why(SiemensControl::new(&open, &facts(), &state()));
+    let reason = why(super::control(&open, &facts(), &state()));
     assert!(reason.contains("both ends differ"), "{reason}");
 }
 
@@ -248,7 +250,7 @@ fn on_an_inch_control_positions_and_values_are_inches() {
     let control = control_with(&text, &facts(), &state);
     assert_um(own(&control, "X1", 25.4, Direction::Plus), -25.4);
     assert_um(own(&control, "X1", 12.7, Direction::Plus), -12.7);
-    let products = why(SiemensControl::new(&tables(&grid()), &facts(), &state));
+    let products = why(super::control(&tables(&grid()), &facts(), &state));
     assert!(products.contains("inch"), "{products}");
 }
 
@@ -307,7 +309,7 @@ fn what_the_control_would_do_is_not_guessed() {
     let lec = lec_text("X1", grid, 0, &[0.0, 0.010, 0.0]);
     let cec = cec_text(3, ["X1", "Z1"], grid, [0, 0], &[0.0, 0.010, 0.0]);
     let load =
-        |text: &str, facts: &SiemensFacts| why(SiemensControl::new(&tables(text), facts, &state()));
+        |text: &str, facts: &SiemensFacts| why(super::control(&tables(text), facts, &state()));
     let gap = file(&[lec.replace("$AA_ENC_COMP[0,1,X1]=0.01\n", "")]);
     let reason = load(&gap, &facts());
     assert!(reason.contains("$AA_ENC_COMP[0,X1]: point 1"), "{reason}");
