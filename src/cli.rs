@@ -8,7 +8,6 @@ mod assess;
 #[cfg(feature = "disk")]
 mod batch;
 mod controllers;
-mod diagonals;
 #[cfg(feature = "disk")]
 mod disk;
 mod generate;
@@ -16,7 +15,6 @@ mod history;
 mod import;
 mod new;
 mod outcome;
-mod page;
 mod path;
 mod plan;
 mod program;
@@ -26,22 +24,20 @@ mod separate;
 mod show;
 mod simulate;
 mod standards;
-mod tables;
-#[cfg(feature = "disk")]
-mod terminal;
 mod verify;
 #[cfg(feature = "disk")]
 mod write;
 
 use crate::text::{Problem, Problems};
-use crate::visit::files::Files;
+use crate::visit::files::{Files, printed};
 #[cfg(feature = "disk")]
 pub use batch::Answered;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 pub use outcome::Answer;
 use outcome::Outcome;
-use screen::spoken;
+use screen::{Detail, spoken};
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 /// Turns laser measurements of a machine tool into the compensation files its control loads,
 /// and forecasts from the written bytes what they will leave.
@@ -107,7 +103,7 @@ enum Command {
     /// Tell the machine's error along the path of a part program (G-code)
     Path(path::Options),
     /// Write the page that makes and judges a kit in a browser, where nothing may be installed
-    Page(page::Options),
+    Page(Page),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -138,7 +134,7 @@ pub use on_disk::run;
 mod on_disk {
     use super::{Arguments, COULD_NOT, ended};
     use crate::cli::disk::Disk;
-    use crate::cli::terminal::{say, tell};
+    use crate::cli::screen::{say, tell};
     use clap::Parser;
     use std::ffi::OsString;
     use std::process::ExitCode;
@@ -251,7 +247,7 @@ fn execute(command: Command, files: &dyn Files, out: &mut dyn Write) -> Result<O
         Command::Import(options) => import::run(&options, files),
         Command::Standards(options) => standards::run(&options, files),
         Command::Path(options) => path::run(&options, files),
-        Command::Page(options) => page::run(&options),
+        Command::Page(options) => page(&options),
         Command::Controllers { command } => controllers::run(command.as_ref(), files),
         Command::Context(options) => controllers::context(&options, files),
         Command::Completions { shell } => {
@@ -269,4 +265,34 @@ fn manual() -> Result<Outcome, Problems> {
     let refuse = |error| Problem::new(format!("the manual page cannot be made: {error}"));
     man.render(&mut page).map_err(refuse)?;
     Ok(Outcome::bytes(page))
+}
+
+/// The page for a browser: a visit in one file, which sends nothing anywhere. Feature `page` puts it into the program as
+/// packaging/page/build made it.
+#[cfg(not(feature = "page"))]
+const PAGE: Option<&[u8]> = None;
+#[cfg(feature = "page")]
+const PAGE: Option<&[u8]> = Some(include_bytes!("../target/package/nonius.html"));
+
+// Options of `page`.
+#[derive(Args, Debug)]
+struct Page {
+    /// The file to write (HTML); `-` = standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace the file that is there
+    #[arg(long)]
+    force: bool,
+}
+
+fn page(options: &Page) -> Result<Outcome, Problems> {
+    let missing = "this program was built without the page; a released one holds it, or one built as packaging/README.md says";
+    let page = PAGE.ok_or_else(|| Problem::new(missing))?.to_vec();
+    let (place, force) = (options.output.clone(), options.force);
+    if place == Path::new("-") {
+        return Ok(Outcome::bytes(page));
+    }
+    let said = format!("wrote {}: open it in a browser", printed(&place));
+    let outcome = Outcome::bytes(Vec::new()).saying(Detail::default(), said);
+    Ok(outcome.writing(move |files| files.write(&place, &page, force)))
 }

@@ -1,6 +1,6 @@
 //! A visit: a job with everything that it names, opened once, wherever its files lie.
 
-pub(crate) mod campaign;
 pub mod files;
 pub(crate) mod inputs;
 pub(crate) mod job_files;
+pub(crate) mod second;

@@ -4,17 +4,16 @@ mod page;
 mod text;
 
 use crate::cli::outcome::{Outcome, Shows, positive};
-use crate::cli::tables::AskedTables;
-use crate::inputs::job::Job;
+use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
-use crate::kit::{Inputs, Loaded};
+use crate::kit::{Inputs, Loaded, generate};
 use crate::machine::model::ErrorModel;
 use crate::page::bin_um;
 use crate::quantity::{Axis, Chain, PerAxis};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
-use crate::visit::inputs::Corrected;
+use crate::visit::inputs::{Corrected, read_directory};
 use crate::visit::job_files::Given;
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
@@ -53,6 +52,44 @@ pub(super) struct Options {
     chain: Option<Chain>,
     #[command(flatten)]
     shows: Shows,
+}
+
+/// Options that ask for tables; those of `path`, too.
+#[derive(Args, Debug)]
+pub(super) struct AskedTables {
+    /// Also as the files of this directory leave the machine
+    #[arg(long, value_name = "DIR", conflicts_with = "with_tables")]
+    tables: Option<PathBuf>,
+    /// Also as the tables that the job asks for would leave the machine
+    #[arg(long)]
+    with_tables: bool,
+}
+
+impl AskedTables {
+    /// Whether any are asked for.
+    pub(super) fn is_any(&self) -> bool {
+        self.tables.is_some() || self.with_tables
+    }
+
+    /// What the job has to hold for them.
+    pub(super) fn use_of(&self) -> UseOf {
+        UseOf::with(self.is_any())
+    }
+
+    /// The machine with them; `volume` is the machine as it was measured.
+    pub(super) fn corrected(
+        &self,
+        files: &dyn Files,
+        inputs: &Inputs,
+        volume: &VolumeModel,
+    ) -> Result<Option<Corrected>, Problems> {
+        let loaded = match &self.tables {
+            Some(directory) => read_directory(files, inputs, directory)?.load(inputs)?,
+            None if self.with_tables => generate(inputs)?.load(inputs)?,
+            None => return Ok(None),
+        };
+        Corrected::of(volume, &loaded).map(Some)
+    }
 }
 
 fn three<T: Copy>(text: &str, read: impl Fn(&str) -> Option<T>) -> Option<PerAxis<T>> {

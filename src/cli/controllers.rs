@@ -1,9 +1,12 @@
 //! `nonius controllers list|show|check`, and `nonius context`: what is known of a control, and what its
 //! templates see.
 
-use crate::cli::outcome::{Format, Outcome, Print, joined};
+use crate::cli::outcome::{Format, Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
-use crate::control::controller::{Evidence, JobKey, Profile, ProfileSource, Statement, builtin};
+use crate::control::controller::program::Language;
+use crate::control::controller::{
+    Evidence, JobKey, Profile, ProfileSource, Role, Statement, builtin,
+};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::kit::{Inputs, generate, program_kit, template_context};
@@ -13,7 +16,7 @@ use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use crate::visit::job_files::profile;
 use clap::{Args, Subcommand};
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// What `controllers` does.
@@ -71,35 +74,44 @@ pub(super) fn run(command: Option<&Command>, files: &dyn Files) -> Result<Outcom
 fn list(print: Print) -> Result<Outcome, Problems> {
     let profiles = builtin::ids().into_iter().map(builtin::profile);
     let profiles: Vec<Profile> = profiles.collect::<Result<_, _>>()?;
-    let rows = profiles.iter().map(|profile| {
-        let [manual, assumed, executed] =
-            [Evidence::Manual, Evidence::Assumed, Evidence::Executed].map(|e| count(profile, e));
-        let facts = profile.statements.len();
-        let Profile { id, name, .. } = profile;
-        format!("{id}\t{name}\t{facts}\t{manual}\t{assumed}\t{executed}")
+    let list = List { schema: 1, controllers: profiles.iter().map(Summary::of).collect() };
+    let rows = list.controllers.iter().zip(&profiles).map(|(of, profile)| {
+        let Summary { id, name, manual, assumed, executed, .. } = of;
+        format!("{id}\t{name}\t{}\t{manual}\t{assumed}\t{executed}", profile.statements.len())
     });
     let heading = "id\tcontrol\t>facts\t>manual\t>assumed\t>executed";
-    let list = || profiles.iter().map(summary_json).collect::<Vec<Value>>();
-    print.outcome(
-        || Screen::of(table(heading, rows)),
-        || json!({ "schema": 1, "controllers": list() }),
-    )
+    print.outcome(|| Screen::of(table(heading, rows)), || &list)
 }
 
-fn count(profile: &Profile, evidence: Evidence) -> usize {
-    let facts = profile.statements.iter();
-    facts.filter(|s| s.evidence == evidence).count()
+#[derive(Serialize)]
+struct List<'a> {
+    schema: u32,
+    controllers: Vec<Summary<'a>>,
 }
 
-fn summary_json(profile: &Profile) -> Value {
-    json!({
-        "id": profile.id,
-        "name": profile.name,
-        "dialect": profile.family.word,
-        "manual": count(profile, Evidence::Manual),
-        "assumed": count(profile, Evidence::Assumed),
-        "executed": count(profile, Evidence::Executed),
-    })
+/// A control, and how many of its facts are how well known.
+#[derive(Serialize)]
+struct Summary<'a> {
+    id: &'a str,
+    name: &'a str,
+    dialect: &'static str,
+    manual: usize,
+    assumed: usize,
+    executed: usize,
+}
+
+impl Summary<'_> {
+    fn of(profile: &Profile) -> Summary<'_> {
+        let count = |evidence| profile.statements.iter().filter(|s| s.evidence == evidence).count();
+        Summary {
+            id: &profile.id,
+            name: &profile.name,
+            dialect: profile.family.word,
+            manual: count(Evidence::Manual),
+            assumed: count(Evidence::Assumed),
+            executed: count(Evidence::Executed),
+        }
+    }
 }
 
 fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome, Problems> {
@@ -111,30 +123,59 @@ fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome
         };
         return Ok(Outcome::text(&page));
     }
-    print.outcome(|| Screen::of(profile_text(&profile)), || profile_json(&profile))
+    print.outcome(|| Screen::of(profile_text(&profile)), || Document::of(&profile))
 }
 
-fn profile_json(profile: &Profile) -> Value {
-    let files = profile.files.iter().map(|file| {
-        json!({ "path": file.path, "role": file.role.word(), "template": file.template.name })
-    });
-    let program = profile.program.as_ref().map(|program| {
-        json!({
-            "language": program.language.word(),
-            "template": program.template.name,
-            "facts": program.statements,
-        })
-    });
-    let examples = profile.examples.iter().map(|own| own.source.as_str());
-    let more = json!({
-        "schema": 1,
-        "facts": profile.statements,
-        "files": files.collect::<Value>(),
-        "program": program,
-        "job": profile.job_keys,
-        "examples": examples.collect::<Value>(),
-    });
-    joined([summary_json(profile), more])
+/// A profile, as scripts read it.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    summary: Summary<'a>,
+    schema: u32,
+    facts: &'a [Statement],
+    files: Vec<OfFile<'a>>,
+    program: Option<OfProgram<'a>>,
+    job: &'a [JobKey],
+    examples: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+struct OfFile<'a> {
+    path: &'a str,
+    role: Role,
+    template: &'a str,
+}
+
+/// How its part programs are written.
+#[derive(Serialize)]
+struct OfProgram<'a> {
+    language: Language,
+    template: &'a str,
+    facts: &'a [Statement],
+}
+
+impl Document<'_> {
+    fn of(profile: &Profile) -> Document<'_> {
+        let program = profile.program.as_ref().map(|of| OfProgram {
+            language: of.language,
+            template: &of.template.name,
+            facts: &of.statements,
+        });
+        Document {
+            summary: Summary::of(profile),
+            schema: 1,
+            facts: &profile.statements,
+            files: files_of(profile).collect(),
+            program,
+            job: &profile.job_keys,
+            examples: profile.examples.iter().map(|own| own.source.as_str()).collect(),
+        }
+    }
+}
+
+fn files_of(profile: &Profile) -> impl Iterator<Item = OfFile<'_>> {
+    let files = profile.files.iter();
+    files.map(|of| OfFile { path: &of.path, role: of.role, template: &of.template.name })
 }
 
 fn profile_text(profile: &Profile) -> String {
@@ -163,35 +204,23 @@ fn profile_text(profile: &Profile) -> String {
 }
 
 fn job_key_text(key: &JobKey) -> String {
-    let name = format!("[{}] {}", key.section.word(), key.key);
-    about(&name, &key.text, key.evidence, &key.source, key.consequence.as_deref())
+    let fact = format!("[{}] {}", key.section.word(), key.key);
+    let JobKey { text: value, evidence, source, consequence, .. } = key.clone();
+    statement_text(&Statement { fact, value, evidence, source, consequence, mechanism: None })
 }
 
 fn files_text(profile: &Profile) -> String {
-    let files = profile.files.iter();
-    let rows =
-        files.map(|file| format!("{}\t{}\t{}", file.path, file.role.word(), file.template.name));
+    let rows = files_of(profile)
+        .map(|OfFile { path, role, template }| format!("{path}\t{}\t{template}", role.word()));
     table("file\trole\ttemplate", rows)
 }
 
-fn statement_text(statement: &Statement) -> String {
-    let Statement { fact, value, evidence, source, consequence, .. } = statement;
-    about(fact, value, *evidence, source, consequence.as_deref())
-}
-
 /// What is known, and how well.
-fn about(
-    name: &str,
-    value: &str,
-    evidence: Evidence,
-    source: &str,
-    if_wrong: Option<&str>,
-) -> String {
-    let text = format!("{name} = {value}\n    {}: {source}", evidence.word());
-    match if_wrong {
-        Some(consequence) => format!("{text}\n    if wrong: {consequence}"),
-        None => text,
-    }
+fn statement_text(of: &Statement) -> String {
+    let consequence = of.consequence.iter().map(|words| format!("\n    if wrong: {words}"));
+    let evidence = of.evidence.word();
+    let text = format!("{} = {}\n    {evidence}: {}", of.fact, of.value, of.source);
+    text + &consequence.collect::<String>()
 }
 
 /// Checks a profile and renders its templates with a small machine that has everything: nine
@@ -219,7 +248,7 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
         profile.id,
         kit.files.len()
     );
-    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || profile_json(&profile))?;
+    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || Document::of(&profile))?;
     Ok(outcome.saying(print.detail, valid))
 }
 

@@ -1,6 +1,6 @@
 //! `nonius generate JOB -o DIR`, or `--compare`
 
-use crate::cli::outcome::{Outcome, Output, Plot, Print, joined};
+use crate::cli::outcome::{Outcome, Output, Plot, Print};
 use crate::cli::screen::{More, Screen, paragraphs, shell_word, table, wrapped};
 use crate::cli::show;
 use crate::cli::verify::Page;
@@ -15,7 +15,7 @@ use crate::text::Problems;
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 // Options of `generate`.
@@ -77,7 +77,8 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
         inputs.profile.name,
         job.measurement.date.as_deref().unwrap_or("at a date not stated")
     );
-    let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.manifest.doubts);
+    let verdict =
+        show::verdict(kit.verdict, job, &kit.forecast.grounds(job), false, &kit.manifest.doubts);
     let ways = kit.ways.iter().map(|way| format!("\n  {way}"));
     let ways = ways.chain(kit.manifest.what_decides.iter().map(|what| format!("\n{what}")));
     let verdict: String = std::iter::once(verdict).chain(ways).collect();
@@ -118,8 +119,7 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
     lines.push(before_loading(inputs, kit));
     let (job, kit) = (shell_word(job), shell_word(directory));
     lines.push(format!("check the USB stick with: nonius verify {job} --tables {kit}"));
-    let wrapped: Vec<String> = lines.iter().map(|line| wrapped(line)).collect();
-    wrapped.join("\n")
+    wrapped(&lines.join("\n"))
 }
 
 /// The checklist of a kit: of several that say the same the last one, which is the page to be printed.
@@ -153,20 +153,36 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
 /// `--compare`: backlash policies and spacings side by side.
 fn side_by_side(inputs: &Inputs, print: Print) -> Result<Outcome, Problems> {
     let compared = compare(inputs);
-    let outcome =
-        print.outcome(|| screen_of_all(inputs, &compared), || document(inputs, &compared))?;
-    let own = compared.first().and_then(|own| own.result.as_ref().ok());
-    Ok(outcome.answering(own.is_some_and(|own| own.verdict == Verdict::Pass)))
+    let document = || SideBySide {
+        schema: 1,
+        machine: &inputs.job.machine.name,
+        controller: &inputs.profile.id,
+        compared: &compared,
+    };
+    let outcome = print.outcome(|| screen_of_all(inputs, &compared), document)?;
+    Ok(outcome.answering(compared.first().is_some_and(passes)))
+}
+
+/// What scripts read of it.
+#[derive(Serialize)]
+struct SideBySide<'a> {
+    schema: u32,
+    machine: &'a str,
+    controller: &'a str,
+    compared: &'a [Compared],
+}
+
+fn passes(compared: &Compared) -> bool {
+    compared.made.as_ref().is_some_and(|made| made.verdict == Verdict::Pass)
 }
 
 fn screen_of_all(inputs: &Inputs, compared: &[Compared]) -> Screen {
     let job = &inputs.job;
-    let passes = |c: &&Compared| matches!(&c.result, Ok(made) if made.verdict == Verdict::Pass);
     let verdict = match job.acceptance.asks_nothing() {
         true => "no acceptance is stated in the job, so there is nothing to judge".to_string(),
         false => format!(
             "{} of {} keep the acceptance of the job",
-            compared.iter().filter(passes).count(),
+            compared.iter().filter(|c| passes(c)).count(),
             compared.len()
         ),
     };
@@ -174,8 +190,8 @@ fn screen_of_all(inputs: &Inputs, compared: &[Compared]) -> Screen {
         "backlash\tspacing\t>tables\t>points\tterm\t>before\t>after\t>U\tdiag.\t>after\tverdict";
     let own = inputs.job.compensation.backlash;
     let refused = |c: &Compared| {
-        let first = c.result.as_ref().err()?.iter().next()?;
-        Some(format!("{}, {}: {}", policy(c, &own), c.spacing.word(), first.message))
+        let first = c.refused.first()?;
+        Some(format!("{}, {}: {first}", policy(c, &own), c.spacing.word()))
     };
     Screen {
         verdict: format!(
@@ -209,7 +225,7 @@ fn policy(compared: &Compared, own: &Policies) -> String {
 
 fn row(compared: &Compared, own: &Policies) -> String {
     let head = format!("{}\t{}", policy(compared, own), compared.spacing.word());
-    let Ok(made) = &compared.result else {
+    let Some(made) = &compared.made else {
         return format!("{head}\t-\t-\t-\t-\t-\t-\t-\t-\trefused");
     };
     let term = made.term.as_ref().map_or("-\t-\t-\t-".to_string(), |t| {
@@ -221,24 +237,4 @@ fn row(compared: &Compared, own: &Policies) -> String {
         diagonal.map_or("-\t-".to_string(), |d| format!("{}\t{:.3}", d.name, d.after_um));
     let (tables, points) = (made.tables, made.points);
     format!("{head}\t{tables}\t{points}\t{term}\t{diagonal}\t{}", made.verdict.word())
-}
-
-fn document(inputs: &Inputs, compared: &[Compared]) -> Value {
-    json!({
-        "schema": 1,
-        "machine": inputs.job.machine.name,
-        "controller": inputs.profile.id,
-        "compared": compared.iter().map(entry).collect::<Vec<_>>(),
-    })
-}
-
-fn entry(Compared { backlash, spacing, result }: &Compared) -> Value {
-    let left = match result {
-        Err(problems) => {
-            let refused: Vec<&String> = problems.iter().map(|problem| &problem.message).collect();
-            json!({ "refused": refused })
-        }
-        Ok(made) => json!(made),
-    };
-    joined([json!({ "backlash": backlash, "spacing": spacing.word() }), left])
 }

@@ -4,15 +4,14 @@ use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
-use crate::inputs::import::{
-    self, Imported, List, Measurement, encoding_word, fill, squareness_lines,
-};
+use crate::inputs::import::{self, Imported, List, encoding_word, fill, squareness_lines};
+use crate::kit::manifest::HashedFile;
 use crate::quantity::{Diagonal, Direction};
-use crate::text::{Problems, Severity, Source, of_severity};
+use crate::text::{Finding, Named, Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};
 use crate::visit::job_files::Given;
 use clap::Args;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 // Options of `import`. What a file does not carry has to be stated; see docs/measuring.md §5.
@@ -56,84 +55,96 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     }
     options.output.ensure_new(files, "the error table")?;
     let file = Given::read(files, options.file.as_deref().unwrap_or(Path::new("-")))?;
-    let file = file.measurement();
-    let imported = import::import(file, options.from, options.encoding, &options.stated)?;
+    let imported =
+        import::import(file.measurement(), options.from, options.encoding, &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
+    let document = Document {
+        schema: 1,
+        source: &file.hash,
+        format: word(imported.format),
+        output: with_slashes(place),
+        stated: options.stated.given().into_iter().collect(),
+        facts: of_severity(&imported.findings, Severity::Label),
+        warnings: of_severity(&imported.findings, Severity::Note),
+        series: imported.draft.series.iter().map(OfSeries::of).collect(),
+        squareness_um_per_m: imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect(),
+    };
     let next = format!(
         "\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
         file_name(place)
     );
-    options.output.deliver(
-        Some(held(imported.text.clone())),
-        || screen(&imported),
-        || document(file, place, &options.stated, &imported),
-        &next,
-    )
-}
-
-/// What the file says, what was done with it, what belongs into the job.
-fn screen(imported: &Imported) -> Screen {
-    let words = |severity| of_severity(&imported.findings, severity).into_iter();
-    let facts = words(Severity::Label).map(|fact| format!("\n{fact}"));
-    Screen {
-        verdict: format!("read as {}{}", word(imported.format), facts.collect::<String>()),
+    // What the file says, what was done with it, what belongs into the job.
+    let facts = document.facts.iter().map(|fact| format!("\n{fact}"));
+    let screen = || Screen {
+        verdict: format!("read as {}{}", document.format, facts.collect::<String>()),
         figures: paragraphs(&[
-            series_table(imported),
+            series_table(&imported, &document.series),
             squareness_lines(&imported.squareness).join("\n"),
         ]),
-        always: words(Severity::Note).map(|words| format!("warning: {words}")).collect(),
+        always: document.warnings.iter().map(|words| format!("warning: {words}")).collect(),
         ..Screen::default()
-    }
-}
-
-fn terms(series: &Series) -> Vec<String> {
-    series.components().map(|component| component.to_string()).collect()
-}
-
-fn series_table(imported: &Imported) -> String {
-    let rows = imported.draft.series.iter().map(|series| {
-        let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
-        let [from, to] = series.ends_mm().map(end);
-        let travel = series.direction.map_or("both", Direction::symbol);
-        let has_u = series.uncertainties_um.iter().any(|(_, u)| u.is_some());
-        let u = if has_u { "yes" } else { "not stated" };
-        let (points, terms) = (series.positions.len(), terms(series).join(" "));
-        format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)
-    });
-    table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
-}
-
-/// Options with what was stated.
-fn statements(stated: &Stated) -> Map<String, Value> {
-    let given = stated.given().into_iter();
-    given.map(|(option, value)| (option.to_string(), json!(value))).collect()
+    };
+    options.output.deliver(Some(held(imported.text.clone())), screen, || &document, &next)
 }
 
 /// The summary for scripts.
-fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Imported) -> Value {
-    let series = imported.draft.series.iter().map(|series| {
-        json!({
-            "axis": series.axis.key(),
-            "direction": series.direction.map(Direction::symbol),
-            "terms": terms(series),
-            "points": series.positions.len(),
-            "from_mm": series.ends_mm()[0],
-            "to_mm": series.ends_mm()[1],
-        })
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    source: &'a HashedFile,
+    format: String,
+    output: String,
+    stated: Named<&'static str, String>,
+    facts: Vec<Finding>,
+    warnings: Vec<Finding>,
+    series: Vec<OfSeries>,
+    squareness_um_per_m: Named<&'static str, f64>,
+}
+
+/// The same of lists that fill in a form.
+#[derive(Serialize)]
+struct OfForm<'a> {
+    schema: u32,
+    format: &'static str,
+    lists: Vec<&'a HashedFile>,
+    stated: Named<&'static str, String>,
+}
+
+/// What a series holds.
+#[derive(Serialize)]
+struct OfSeries {
+    axis: &'static str,
+    direction: Option<&'static str>,
+    terms: Vec<String>,
+    points: usize,
+    from_mm: Option<f64>,
+    to_mm: Option<f64>,
+}
+
+impl OfSeries {
+    fn of(series: &Series) -> OfSeries {
+        let [from_mm, to_mm] = series.ends_mm();
+        OfSeries {
+            axis: series.axis.key(),
+            direction: series.direction.map(Direction::symbol),
+            terms: series.components().map(|component| component.to_string()).collect(),
+            points: series.positions.len(),
+            from_mm,
+            to_mm,
+        }
+    }
+}
+
+fn series_table(imported: &Imported, all: &[OfSeries]) -> String {
+    let rows = imported.draft.series.iter().zip(all).map(|(series, of)| {
+        let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
+        let (from, to, travel) = (end(of.from_mm), end(of.to_mm), of.direction.unwrap_or("both"));
+        let has_u = series.uncertainties_um.iter().any(|(_, u)| u.is_some());
+        let u = if has_u { "yes" } else { "not stated" };
+        let (points, terms) = (of.points, of.terms.join(" "));
+        format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)
     });
-    let squareness = imported.squareness.iter();
-    let squareness = squareness.map(|s| (s.pair.to_string(), json!(s.um_per_m)));
-    json!({
-        "schema": 1,
-        "source": { "path": file.name, "sha256": file.sha256 },
-        "format": word(imported.format),
-        "output": with_slashes(output),
-        "stated": statements(stated),
-        "facts": of_severity(&imported.findings, Severity::Label),
-        "warnings": of_severity(&imported.findings, Severity::Note),
-        "series": series.collect::<Vec<Value>>(),
-        "squareness_um_per_m": squareness.collect::<Map<_, _>>(),
-    })
+    table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
 }
 
 /// Fills the form in; a file without diagonal is the list of an axis.
@@ -146,18 +157,15 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let named = of_diagonals.chain([(None, &options.file)]);
     let named = named.filter_map(|(of, file)| Some((of, file.as_deref()?)));
     let lists = named.map(|(of, file)| Ok((of, Given::read(files, file)?)));
-    let lists: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
-    let lists: Vec<List<'_>> = lists.iter().map(|(of, file)| (*of, file.measurement())).collect();
+    let given: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
+    let lists: Vec<List<'_>> = given.iter().map(|(of, file)| (*of, file.measurement())).collect();
     let text = fill(&form, &lists, options.encoding, &options.stated)?;
-    let verdict = "every capture of the form has its value".to_string();
-    let sources = lists.iter();
-    let sources = sources.map(|(_, list)| json!({ "path": list.name, "sha256": list.sha256 }));
-    let document = json!({
-        "schema": 1,
-        "format": "list",
-        "lists": sources.collect::<Vec<Value>>(),
-        "stated": statements(&options.stated),
-    });
-    let screen = || Screen::of(verdict);
+    let document = OfForm {
+        schema: 1,
+        format: "list",
+        lists: given.iter().map(|(_, file)| &file.hash).collect(),
+        stated: options.stated.given().into_iter().collect(),
+    };
+    let screen = || Screen::of("every capture of the form has its value".to_string());
     options.output.deliver(Some(held(text)), screen, || document, "")
 }

@@ -8,8 +8,8 @@ use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
-use serde::Serialize;
-use serde_json::Value;
+use serde::ser::Error as _;
+use serde::{Serialize, Serializer};
 use std::io::{Cursor, ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -261,22 +261,17 @@ impl Outcome {
     }
 }
 
-/// The parts of a document, one behind the other.
-pub(super) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
-    let fields = parts.into_iter().filter_map(|part| match part {
-        Value::Object(fields) => Some(fields),
-        _ => None,
-    });
-    Value::Object(fields.flatten().collect())
-}
+/// A document without what is not known.
+pub(super) struct Known<T>(pub(super) T);
 
-/// The same without what is not known.
-pub(super) fn known(parts: impl IntoIterator<Item = Value>) -> Value {
-    let mut document = joined(parts);
-    if let Some(fields) = document.as_object_mut() {
-        fields.retain(|_, value| !value.is_null());
+impl<T: Serialize> Serialize for Known<T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut document = serde_json::to_value(&self.0).map_err(S::Error::custom)?;
+        if let Some(fields) = document.as_object_mut() {
+            fields.retain(|_, value| !value.is_null());
+        }
+        document.serialize(to)
     }
-    document
 }
 
 /// Whether whoever reads the output went away (`| head`), which is no failure.

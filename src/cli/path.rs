@@ -1,21 +1,20 @@
 //! `nonius path JOB PROGRAM`
 
 mod page;
-mod samples;
 
+use crate::cli::assess::AskedTables;
 use crate::cli::outcome::{Outcome, Output, Plot};
-use crate::cli::tables::AskedTables;
 use crate::inputs::problems;
 use crate::page::{Ink, Trace};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Files, Long, plain_words};
 use crate::visit::inputs;
+use crate::visit::job_files::Given;
 use crate::volume::tool_path::{Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
-use page::{After, Followed, Page};
+use page::{After, Holes, Page, Points, found};
 use part_program::{Line, Mark, Refused, Text, run as run_program};
-use samples::{Holes, Points};
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -46,7 +45,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     }
     let (page, points) = page(options, files)?;
     let content = points.map(|points| points.content(options.output.place())).transpose()?;
-    let next = format!(" ({} samples)", page.before.summary.samples);
+    let next = format!(" ({} samples)", page.before.samples);
     let output = &options.output;
     let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
     options.plot.beside(outcome, output.force, |locale| page.picture(locale))
@@ -54,7 +53,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 
 /// The page, and the samples where a file of them is asked for.
 fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), Problems> {
-    let inputs = inputs::read_for(files, &options.job, options.tables.use_of())?;
+    let job = Given::read(files, &options.job)?;
+    let (inputs, _) = inputs::read_job(files, None, &job, options.tables.use_of())?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = path_map(&inputs.job, &volume);
     let tables = options.tables.corrected(files, &inputs, &volume)?;
@@ -84,10 +84,9 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
         after.as_mut().map_or(Ok(()), |after| after.follow(step, &mut |_| {}))
     })
     .map_err(|refused| problems(&program, refused))?;
-    let before = Followed::of(before, &program)?;
-    let after = after.map(|profile| Followed::of(profile, &program));
-    let after = after.transpose()?.zip(tables);
-    let after = after.map(|(followed, tables)| After { tables, followed });
+    let before = found(before, &program)?;
+    let after = after.map(|profile| found(profile, &program)).transpose()?;
+    let after = tables.zip(after).map(|(tables, followed)| After::of(tables, followed));
     let page = Page { program, inputs, volume, ran, before, after, holes, traces };
     Ok((page, points))
 }

@@ -46,7 +46,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let angles = angles.map(|path| named.table(path, "measurement.angles"));
     let design = Design::of(job, angles.transpose()?, times)?;
     let found = plan(&design)?;
-    let page = Page { machine: &job.machine.name, design: &design, found: &found };
+    let page = Page { design: &design, found: &found };
     let outcome = options.print.outcome(|| page.screen(), || document(&page))?;
     Ok(outcome.answering(found.visits[0].reaches(job.acceptance)))
 }
@@ -59,7 +59,7 @@ fn document(page: &Page<'_>) -> Value {
     let visits = visits.map(|(index, visit)| of_visit(page, index, visit));
     json!({
         "schema": 1,
-        "machine": page.machine,
+        "machine": design.job.machine.name,
         "acceptance": { "max_deviation_um": acceptance.max_deviation_um,
                         "max_diagonal_um": acceptance.max_diagonal_um },
         "noise_um": instrument.noise_um,
@@ -108,7 +108,6 @@ fn keys(axes: &[Axis]) -> Vec<&'static str> {
 
 /// A plan, to be shown: the answer, the variants, their U, what it rests on.
 struct Page<'a> {
-    machine: &'a str,
     design: &'a Design<'a>,
     found: &'a VisitPlan,
 }
@@ -129,7 +128,7 @@ impl Page<'_> {
         let asked = self.design.noise_asked().into_iter().map(|finding| finding.to_string());
         let short = described.shortcomings().into_iter().map(|of| format!("as described: {of}"));
         Screen {
-            verdict: format!("{}: {}", self.machine, lines.join("\n")),
+            verdict: format!("{}: {}", self.design.job.machine.name, lines.join("\n")),
             figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
             findings: asked.chain(short).collect(),
             more: vec![More::new(

@@ -20,7 +20,7 @@ use crate::visit::inputs;
 use crate::visit::job_files::{Given, JobFiles};
 use clap::Args;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -81,9 +81,16 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             false => format!("verdict on the page: {word}"),
         })
     };
-    let document = || json!({ "schema": 1, "verdict": word });
+    let document = || Document { schema: 1, verdict: word };
     let outcome = options.output.deliver(Some(content), screen, document, "")?;
     Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
+}
+
+/// What scripts read.
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    verdict: &'static str,
 }
 
 /// What stands for the verdict where there are no tables.
@@ -133,7 +140,6 @@ fn of_table(locale: Locale<'_>, file: Given<'_>) -> Result<OfJob, Problems> {
     Ok((job, visit))
 }
 
-/// The measurement of a job without tables, as found.
 /// The tables of a directory, or those that `generate` would write.
 fn with_tables(
     options: &Options,

@@ -5,6 +5,8 @@ use crate::text::{counted, plain};
 use crate::visit::files::printed;
 use clap::Args;
 use std::io::IsTerminal;
+#[cfg(feature = "disk")]
+use std::io::Write;
 use std::path::Path;
 
 /// Findings on the screen; those that decide the verdict stand under it and are not counted.
@@ -114,6 +116,19 @@ pub(super) fn spoken(text: &str) -> String {
     format!("{}\n", plain::page(text.trim_end()))
 }
 
+/// Says it at once, to a person who looks on.
+#[cfg(feature = "disk")]
+pub(super) fn say(text: &str) {
+    tell(&spoken(text));
+}
+
+/// Words as they are.
+#[cfg(feature = "disk")]
+pub(super) fn tell(text: &str) {
+    // Nothing can be said about a standard error that is closed.
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
 /// Paragraphs with a blank line between; empty ones are left out.
 pub(super) fn paragraphs(parts: &[String]) -> String {
     let parts: Vec<&str> =
@@ -142,12 +157,15 @@ pub(super) fn table(heading: &str, rows: impl IntoIterator<Item = String>) -> St
     lines.iter().map(aligned).collect::<Vec<_>>().join("\n")
 }
 
+/// A heading with lines; nothing without any.
+pub(super) fn headed(heading: &str, lines: impl Iterator<Item = String>) -> String {
+    let lines: String = lines.map(|line| format!("\n{line}")).collect();
+    if lines.is_empty() { lines } else { format!("{heading}{lines}") }
+}
+
 /// A heading with a line for each entry; nothing without entries.
-pub(super) fn list(heading: &str, lines: &[impl std::fmt::Display]) -> String {
-    match lines {
-        [] => String::new(),
-        lines => lines.iter().fold(heading.to_string(), |text, line| format!("{text}\n  - {line}")),
-    }
+pub(super) fn list(heading: &str, entries: &[impl std::fmt::Display]) -> String {
+    headed(heading, entries.iter().map(|entry| format!("  - {entry}")))
 }
 
 /// For a person's screen: lines that are longer, broken at blanks; what follows is indented. Another

@@ -1,7 +1,7 @@
 //! What several commands show of tables and machine: verdict, forecast, places in the control,
 //! assumptions, preconditions.
 
-use crate::cli::screen::{More, table};
+use crate::cli::screen::{More, headed, table};
 use crate::control::claims::{Assumption, Precondition, shared};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
@@ -168,12 +168,11 @@ pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
 pub(super) fn verdict(
     verdict: Verdict,
     job: &Job,
-    forecast: Option<&Forecast>,
+    grounds: &Grounds,
     differs: bool,
     doubts: &[Finding],
 ) -> String {
-    let grounds = forecast.map_or_else(Grounds::default, |forecast| forecast.grounds(job));
-    let limits = limits(job, &grounds);
+    let limits = limits(job, grounds);
     let word = verdict.word();
     let words = match (limits.is_empty(), verdict) {
         (true, Verdict::Pass) => {
@@ -207,14 +206,6 @@ fn limits(job: &Job, grounds: &Grounds) -> String {
     let diagonal = acceptance.max_diagonal_um;
     let diagonal = diagonal.map(|um| format!("max - min of every body diagonal within {um} µm"));
     joined(deviation.into_iter().chain(diagonal))
-}
-
-/// A heading with lines; nothing without any.
-pub(super) fn headed(heading: &str, lines: impl Iterator<Item = String>) -> String {
-    lines.fold(String::new(), |text, line| match text.is_empty() {
-        true => format!("{heading}\n{line}"),
-        false => format!("{text}\n{line}"),
-    })
 }
 
 /// Assumed facts with their consequence; behind them those that cannot matter for this kit.

@@ -1,6 +1,6 @@
 //! `nonius simulate JOB -o readings.csv`
 
-use crate::cli::outcome::{Outcome, Output, held, joined, number};
+use crate::cli::outcome::{Outcome, Output, held, number};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show;
 use crate::inputs::error_table;
@@ -8,10 +8,10 @@ use crate::inputs::job::{MeasuredData, UseOf};
 use crate::kit::findings::InRehearsal;
 use crate::kit::simulate::{
     Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, SimulationSource, Wishes, readings,
-    rehearsed, single_axes,
+    rehearsed, single_axes, write,
 };
 use crate::kit::{Inputs, Loaded, generate, hashed};
-use crate::quantity::{Diagonal, Figure, PathKind, PerDiagonal};
+use crate::quantity::{Figure, PathKind};
 use crate::read::KitFile;
 use crate::text::{Finding, Problems};
 use crate::visit::files::{Files, file_name};
@@ -19,7 +19,7 @@ use crate::visit::inputs;
 use crate::visit::inputs::read_directory;
 use crate::visit::job_files::Given;
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::path::PathBuf;
 
 // Options of `simulate`.
@@ -89,25 +89,71 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
+    origin.notes.extend(rehearsal.iter().flat_map(|rehearsal| rehearsal.notes.iter().cloned()));
     let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m)?;
-    let Some(rehearsal) = rehearsal else {
-        return error_table(&options.output, &inputs, &machine, wishes, &origin);
-    };
-    origin.notes.extend(rehearsal.notes.iter().cloned());
-    let simulation = readings(&machine, &rehearsal, &inputs.job)?;
+    let rehearsal = rehearsal.as_ref();
     let comments = origin.comments(&inputs, noise);
-    let screen = screen(&inputs, &origin, &walked(&rehearsal, &origin), figures(&simulation));
-    let text = crate::kit::simulate::write(&simulation, &rehearsal, &comments);
-    delivered(&options.output, text, screen, document(&rehearsal, &simulation, &origin))
+    let runs = rehearsal.map_or(options.runs.unwrap_or(1), |of| of.runs);
+    let (text, what, positions, simulation) = match rehearsal {
+        None => {
+            let stated_um = inputs.job.measurement.uncertainty.noise_um;
+            let draft = single_axes(&machine, runs, (noise, stated_um), comments);
+            let positions: usize = draft.series.iter().map(|s| s.positions.len()).sum();
+            let what = format!(
+                "error table of {} curves, {positions} positions, mean of {runs} run(s){}",
+                draft.series.len(),
+                noise_words(noise)
+            );
+            (error_table::write(&draft), what, Some(positions), None)
+        }
+        Some(rehearsal) => {
+            let simulation = readings(&machine, rehearsal, &inputs.job)?;
+            let text = write(&simulation, rehearsal, &comments);
+            (text, walked(rehearsal, &origin), None, Some(simulation))
+        }
+    };
+    let simulation = simulation.as_ref();
+    let document = || Document {
+        schema: 1,
+        simulated: true,
+        kind: rehearsal.map_or("single-axis", kind_word),
+        steps: rehearsal.map(|of| of.measurement.volume.steps),
+        runs,
+        both_directions: rehearsal.map(|of| of.both_directions),
+        overrun: rehearsal.map(|of| of.both_directions.then_some(of.overrun)),
+        noise,
+        origin: &origin,
+        positions,
+        simulation,
+        notes: &origin.notes,
+    };
+    let figures = simulation.map_or_else(String::new, figures);
+    let screen = || screen(&inputs, &origin, &what, figures);
+    options.output.deliver(Some(held(text)), screen, document, &format!(" ({SIMULATED})"))
 }
 
-fn delivered(
-    output: &Output,
-    text: String,
-    screen: Screen,
-    document: Value,
-) -> Result<Outcome, Problems> {
-    output.deliver(Some(held(text)), || screen, || document, &format!(" ({SIMULATED})"))
+/// What scripts read: of diagonals, or of an error table.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    simulated: bool,
+    kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<usize>,
+    runs: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    both_directions: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    overrun: Option<Option<bool>>,
+    #[serde(flatten)]
+    noise: Noise,
+    #[serde(flatten)]
+    origin: &'a SimulationSource,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    positions: Option<usize>,
+    #[serde(flatten)]
+    simulation: Option<&'a Simulation>,
+    notes: &'a [Finding],
 }
 
 /// The tables that are active, and where they come from.
@@ -142,36 +188,6 @@ fn taken_for_granted(inputs: &Inputs) -> Vec<Finding> {
     let simulated = inputs.model.remarks.simulated().cloned();
     let simulated = simulated.map(|note| InRehearsal::RestsOnSimulated { note });
     doubts.chain(simulated).map(Finding::from).collect()
-}
-
-fn error_table(
-    output: &Output,
-    inputs: &Inputs,
-    machine: &SimulatedMachine<'_>,
-    wishes: Wishes,
-    origin: &SimulationSource,
-) -> Result<Outcome, Problems> {
-    let (noise, runs) = (wishes.noise, wishes.runs.unwrap_or(1));
-    let draft = single_axes(
-        machine,
-        runs,
-        (noise, inputs.job.measurement.uncertainty.noise_um),
-        origin.comments(inputs, noise),
-    );
-    let rows: usize = draft.series.iter().map(|s| s.positions.len()).sum();
-    let what = format!(
-        "error table of {} curves, {rows} positions, mean of {runs} run(s){}",
-        draft.series.len(),
-        noise_words(noise)
-    );
-    let document = joined([
-        json!({ "schema": 1, "simulated": true, "kind": "single-axis", "runs": runs }),
-        json!(noise),
-        json!(origin),
-        json!({ "positions": rows, "notes": origin.notes }),
-    ]);
-    let screen = screen(inputs, origin, &what, String::new());
-    delivered(output, error_table::write(&draft), screen, document)
 }
 
 fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: String) -> Screen {
@@ -223,44 +239,15 @@ fn walked(rehearsal: &Rehearsal, origin: &SimulationSource) -> String {
 }
 
 fn figures(simulation: &Simulation) -> String {
-    let rows = Diagonal::ALL.into_iter().map(|d| {
-        let (predicted, read) = (simulation.predicted[d], simulation.read[d]);
-        let [end, end_read] = [predicted.end_um, read.end_um].map(Figure);
-        let [range, range_read] = [predicted.range_um, read.range_um].map(Figure);
+    let rows = simulation.diagonals.iter().map(|(d, of)| {
+        let [end, end_read] = [of.end_um, of.read_end_um].map(Figure);
+        let [range, range_read] = [of.range_um, of.read_range_um].map(Figure);
         format!("{d}\t{end:.3}\t{end_read:.3}\t{range:.3}\t{range_read:.3}")
     });
-    let all = [simulation.predicted_over_all_um, simulation.read_over_all_um];
+    let all = [simulation.range_over_all_um, simulation.read_range_over_all_um];
     let [all, all_read] = all.map(Figure);
     let all = format!("all\t\t\t{all:.3}\t{all_read:.3}");
     let heading = "diagonal\t>end/µm\t>end read/µm\t>max - min/µm\t>max - min read/µm";
     let legend = "end, max - min: of the nodes on the diagonal, without noise; read: with it, mean of the runs";
     format!("{}\n  {legend}", table(heading, rows.chain([all])))
-}
-
-fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationSource) -> Value {
-    let diagonal = |d: Diagonal| {
-        let (predicted, read) = (simulation.predicted[d], simulation.read[d]);
-        json!({
-            "end_um": predicted.end_um,
-            "range_um": predicted.range_um,
-            "read_end_um": read.end_um,
-            "read_range_um": read.range_um,
-        })
-    };
-    let head = json!({
-        "schema": 1,
-        "simulated": true,
-        "kind": kind_word(rehearsal),
-        "steps": rehearsal.measurement.volume.steps,
-        "runs": rehearsal.runs,
-        "both_directions": rehearsal.both_directions,
-        "overrun": rehearsal.both_directions.then_some(rehearsal.overrun),
-    });
-    let figures = json!({
-        "diagonals": PerDiagonal::from_fn(diagonal),
-        "range_over_all_um": simulation.predicted_over_all_um,
-        "read_range_over_all_um": simulation.read_over_all_um,
-        "notes": origin.notes,
-    });
-    joined([head, json!(rehearsal.noise), json!(origin), figures])
 }

@@ -1,7 +1,6 @@
 //! `nonius standards FILE`
 
-mod axis;
-mod diagonals;
+mod pages;
 
 use crate::cli::outcome::{Outcome, Shows};
 use crate::control::controller::TableSign;
@@ -14,12 +13,12 @@ use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::page::{Locale, Picture};
 use crate::quantity::{Axis, Direction};
 use crate::text::{Finding, LengthUnit, Problem, Problems};
-use crate::visit::files::{Files, file_name};
+use crate::visit::files::Files;
 use crate::visit::job_files::Given;
-use axis::Page;
 use clap::Args;
-pub(super) use diagonals::of_separation;
-use serde_json::Value;
+pub(super) use pages::of_separation;
+use pages::{AxisPage, of_job, of_readings};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 // Options of `standards`. Which of them have a meaning depends on the file.
@@ -64,8 +63,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let input = file.kind();
     options.refuse_foreign(input)?;
     match input {
-        FileKind::Job => diagonals::of_job(files, &options.file, &options.shows),
-        FileKind::Readings => diagonals::of_readings(file.source()?, &options.shows),
+        FileKind::Job => of_job(files, &options.file, &options.shows),
+        FileKind::Readings => of_readings(file.source()?, &options.shows),
         FileKind::Table => {
             let stated = Stated { unit: options.unit, values: options.values };
             options.axis(&file.name, &Runs::read(&file.source()?, stated)?, Vec::new())
@@ -79,7 +78,10 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 }
 
 /// The document and the picture of runs of one axis, which say by themselves what they hold.
-pub(super) fn of_axis(locale: Locale<'_>, file: &Given<'_>) -> Result<(Value, Picture), Problems> {
+pub(super) fn of_axis<'a>(
+    locale: Locale<'_>,
+    file: &'a Given<'_>,
+) -> Result<(AxisPage<'a>, Picture), Problems> {
     let kind = file.kind();
     if kind != FileKind::Table {
         let (name, is) = (&file.name, kind.words());
@@ -90,9 +92,10 @@ pub(super) fn of_axis(locale: Locale<'_>, file: &Given<'_>) -> Result<(Value, Pi
     }
     let stated = Stated { unit: None, values: None };
     let runs = Runs::read(&file.source()?, stated)?;
-    let name = file_name(Path::new(&file.name));
-    let page = Page::of(&name, &runs, None, Vec::new())?;
-    Ok((page.document(), page.picture(locale)))
+    let name = Path::new(&file.name).file_name().and_then(OsStr::to_str).unwrap_or(&file.name);
+    let page = AxisPage::of(name, &runs, None, Vec::new())?;
+    let picture = page.picture(locale);
+    Ok((page, picture))
 }
 
 impl Options {
@@ -133,7 +136,7 @@ impl Options {
 
     /// Figures of one axis; `facts` are what its file states.
     fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
-        let page = Page::of(name, runs, self.travel_mm, notes)?;
-        self.shows.outcome(|| page.screen(), || page.document(), |locale| page.picture(locale))
+        let page = AxisPage::of(name, runs, self.travel_mm, notes)?;
+        self.shows.outcome(|| page.screen(), || &page, |locale| page.picture(locale))
     }
 }

@@ -16,7 +16,7 @@
 
 mod partial;
 
-use crate::cli::terminal::say;
+use crate::cli::screen::say;
 use crate::text::{Problem, Problems};
 use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous, printed};
 use partial::{Partial, parent_of};

@@ -114,13 +114,18 @@ impl Spacing {
 }
 
 /// A backlash policy and a spacing, with what they would leave, or why the job would be refused.
+#[derive(Serialize)]
 pub struct Compared {
     /// The backlash policy of each axis; `None` = none is stated.
     pub backlash: Policies,
     /// The spacing of the points.
     pub spacing: Spacing,
-    /// What they would leave.
-    pub result: Result<Alternative, Problems>,
+    /// Why the job would be refused; empty where it would not.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<String>,
+    /// What they would leave; `None` where it would be refused.
+    #[serde(flatten)]
+    pub made: Option<Alternative>,
 }
 
 /// Every backlash policy for all axes, that of the job first, each with every spacing; then every policy for one
@@ -135,17 +140,18 @@ pub fn compare(inputs: &Inputs) -> Vec<Compared> {
     let one: Vec<(Policies, Spacing)> = one.map(|own| (own, Spacing::AsAsked)).collect();
     let policies = std::iter::once(own).chain(all);
     let pairs = policies.flat_map(|policies| Spacing::ALL.map(|spacing| (policies, spacing)));
-    let compared = |(backlash, spacing): (Policies, Spacing)| Compared {
-        backlash,
-        spacing,
-        result: Alternative::of(inputs, |asked| {
+    let compared = |(backlash, spacing): (Policies, Spacing)| {
+        let made = Alternative::of(inputs, |asked| {
             asked.backlash = backlash;
             for axis in Axis::ALL {
                 if let Some(settings) = &mut asked.axes[axis] {
                     settings.grid = settings.grid.map(|grid| spacing.of(grid));
                 }
             }
-        }),
+        });
+        let problems = made.as_ref().err().into_iter().flat_map(Problems::iter);
+        let refused = problems.map(|problem| problem.message.clone()).collect();
+        Compared { backlash, spacing, refused, made: made.ok() }
     };
     pairs.chain(one).map(compared).collect()
 }

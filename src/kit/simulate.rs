@@ -16,7 +16,7 @@
 
 mod readings;
 
-pub use self::readings::{Simulation, SimulationSource, readings, single_axes, write};
+pub use self::readings::{Predicted, Simulation, SimulationSource, readings, single_axes, write};
 use crate::inputs::error_table::ErrorTable;
 pub use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{DiagonalMeasurement, Job, Material, Reflector};

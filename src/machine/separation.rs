@@ -250,9 +250,9 @@ fn anomalies(
         let places = outlier.readings.iter().map(place);
         places.map(|place| single(place, outlier.of_mean_um)).collect()
     });
-    let roll = closure.ramps.iter().filter(|ramps| ramps.is_roll());
+    let roll = closure.ramps.iter().filter(|ramps| ramps.roll);
     let roll = roll.flat_map(|ramps| rolls(start, model.layout, &ramps.beyond_um));
-    let refuted = agreement.filter(|agreement| agreement.is_refuted());
+    let refuted = agreement.filter(|agreement| agreement.contradiction.is_some());
     let refuted = refuted.map(|agreement| {
         let by = agreement.false_by_um_per_m.iter().enumerate().filter(|(_, by)| **by > 0.0);
         by.map(|(index, by)| single(model.layout.neglected(index), *by)).collect()
@@ -277,11 +277,11 @@ fn evaluated(start: &Start<'_>, closure: Closure, model: Model) -> Separation {
     let mut labels: Vec<Finding> = labels.map(Finding::from).collect();
     let perfect = noise.filter(|_| measurement.setup == SetUp::AssumePerfect);
     let of_closure = closure.doubts(start.volume(), perfect).into_iter();
-    let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
+    let contradiction = agreement.as_ref().and_then(|of| of.contradiction.clone());
     // What no known cause makes has no size.
     let has_size = !anomalies.iter().any(Vec::is_empty);
     let (of_size, doubts): (Vec<Finding>, Vec<Finding>) = of_closure
-        .chain(contradiction.map(Finding::from))
+        .chain(contradiction)
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
     let hides = start.overrun == Some(true) && campaign.reverse_zero_known;

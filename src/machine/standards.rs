@@ -5,8 +5,9 @@
 //! conditions of a standard that a file can show are tested, the others are named as not tested:
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
+use crate::inputs::target_runs::Runs;
 use crate::machine::separation::curves::ends;
-use crate::quantity::Figure;
+use crate::quantity::{Direction, Figure};
 use crate::text::words;
 use serde::{Serialize, Serializer};
 
@@ -15,7 +16,7 @@ pub mod iso_230_2;
 pub mod vdi_3441;
 
 pub use self::diagonals::{DiagonalFigures, Diagonals, diagonal};
-pub(crate) use self::diagonals::{diagonal_runs, repeatability_um};
+pub(crate) use self::diagonals::{by_standard, repeatability_um};
 
 /// How surely a formula or a condition is known: the same in all sources, and recomputed on measured data.
 pub const SURE: &str = "sure";
@@ -82,6 +83,30 @@ impl Condition {
     pub fn missed(conditions: &[Condition]) -> Vec<String> {
         let missed = conditions.iter().filter(|of| of.met == Met::No);
         missed.map(|of| of.found.clone()).collect()
+    }
+}
+
+/// All conditions of a standard.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Conditions {
+    /// One by one.
+    pub list: Vec<Condition>,
+}
+
+/// Numbers of runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// ↑, in the + direction.
+    pub up: usize,
+    /// ↓, in the - direction.
+    pub down: usize,
+}
+
+impl Counts {
+    /// How many runs there are of each direction.
+    pub(crate) fn of(runs: &Runs) -> Counts {
+        let [up, down] = Direction::BOTH.map(|way| runs.count(way));
+        Counts { up, down }
     }
 }
 

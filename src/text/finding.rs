@@ -191,6 +191,13 @@ impl<K, T> FromIterator<(K, T)> for Named<K, T> {
     }
 }
 
+impl<K, T> Named<K, T> {
+    /// Name and entry.
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, (K, T)> {
+        self.0.iter()
+    }
+}
+
 impl<K: Display, T: Serialize> Serialize for Named<K, T> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.collect_map(self.0.iter().map(|(name, entry)| (name.to_string(), entry)))

@@ -35,6 +35,14 @@ pub trait Ready {
     fn put(self: Box<Self>) -> Result<(), Problems>;
 }
 
+/// What puts it there in the memory of a program.
+impl<F: FnOnce()> Ready for F {
+    fn put(self: Box<Self>) -> Result<(), Problems> {
+        self();
+        Ok(())
+    }
+}
+
 /// What a run reads, and where it writes. Paths are as a user gives them, `-` is standard input.
 ///
 /// Whatever is read is remembered: nothing is written over it, into it or around it.
@@ -267,7 +275,8 @@ impl Memory {
     }
 
     fn pending(&self, put: impl FnOnce(&mut ByName) + 'static) -> Box<dyn Ready> {
-        Box::new(Pending(Rc::clone(&self.all), put))
+        let all = Rc::clone(&self.all);
+        Box::new(move || put(&mut all.borrow_mut()))
     }
 }
 
@@ -401,16 +410,5 @@ fn keep(all: &mut ByName, folder: &Path) {
         let bytes = all.remove(&path).unwrap_or_default();
         let rest = path.strip_prefix(folder).unwrap_or(&path);
         all.insert(kept.join(rest), bytes);
-    }
-}
-
-/// An output on its way.
-struct Pending<F>(Rc<RefCell<ByName>>, F);
-
-impl<F: FnOnce(&mut ByName)> Ready for Pending<F> {
-    fn put(self: Box<Self>) -> Result<(), Problems> {
-        let Pending(all, put) = *self;
-        put(&mut all.borrow_mut());
-        Ok(())
     }
 }

@@ -10,9 +10,8 @@ use crate::kit::{Asked, Inputs, Loaded, hashed};
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{PathKind, PerAxis};
 use crate::text::{Finding, Problem, Problems, Severity};
-use crate::visit::campaign::CampaignFiles;
 use crate::visit::files::{Files, Kind, file_name, plain_words, printed, unreadable, with_slashes};
-use crate::visit::job_files::{Given, JobFiles};
+use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
 use crate::volume::assessment::with_tables;
 use crate::volume::volume_model::VolumeModel;
 use std::path::Path;
@@ -20,16 +19,7 @@ use std::sync::Arc;
 
 /// Reads a job and everything it names, for tables.
 pub(crate) fn read(files: &dyn Files, job_path: &Path) -> Result<Inputs, Problems> {
-    read_for(files, job_path, UseOf::Tables)
-}
-
-/// Reads a job and everything it names, for what is asked of it.
-pub(crate) fn read_for(
-    files: &dyn Files,
-    job_path: &Path,
-    use_of: UseOf,
-) -> Result<Inputs, Problems> {
-    Ok(read_job(files, None, &Given::read(files, job_path)?, use_of)?.0)
+    Ok(read_job(files, None, &Given::read(files, job_path)?, UseOf::Tables)?.0)
 }
 
 /// Reads everything that a job names, the table of its angles too; `machine` is an error table in place of what it

@@ -22,4 +22,4 @@ mod tests;
 pub use self::extremes::{Channel, Extreme, Range};
 pub use self::map::PathMap;
 pub(crate) use self::map::path_map;
-pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary, limits};
+pub use self::profile::{Moves, Outside, Profile, ProfileLimits, Sample, Summary, limits};

@@ -57,12 +57,11 @@ fn a_wrong_linear_axis_is_not_swallowed() {
     assert_eq!(agreement.freedom, 1);
     assert!(agreement.probability.unwrap() < 1e-12);
     // What the two other axes and the totals say of Z: S, without Z.
-    let z = agreement.lines[2];
-    let others = z.others.unwrap();
-    close(others.found_um_per_m, truth.slope(term("EZZ")), 4.0, "Z");
-    let (difference, ratio) = z.difference().unwrap();
+    let z = &agreement.lines[2];
+    close(z.by_others_um_per_m.unwrap(), truth.slope(term("EZZ")), 4.0, "Z");
+    let (difference, u) = (z.difference_um_per_m.unwrap(), z.u_difference_um_per_m.unwrap());
     close(difference, 50.0, 4.0, "difference");
-    close(ratio, difference / others.u_difference_um_per_m, 1e-9, "ratio");
+    close(z.ratio().unwrap(), difference / u, 1e-9, "ratio");
     let said = words(&found.labels).concat();
     assert!(said.contains("linear axes and diagonals DISAGREE"), "{said}");
     assert!(said.contains("Z by +"), "{said}");
@@ -76,15 +75,13 @@ fn true_linear_axes_agree_and_each_is_confirmed_by_the_others() {
     let agreement = found.agreement.as_ref().unwrap();
     assert!(agreement.probability.unwrap() > 0.01);
     assert!(found.doubts.is_empty(), "{:?}", found.doubts);
-    assert!(!agreement.taken_as_exact);
     for (line, axis) in agreement.lines.iter().zip(Axis::ALL) {
-        assert_eq!(line.name(), axis.to_string());
-        let others = line.others.unwrap();
+        assert_eq!(line.name, axis.to_string());
         let slope = truth.slope(ErrorTerm { of: axis, along: axis });
-        let far = (others.found_um_per_m - slope).abs();
-        assert!(far < 3.5 * others.u_difference_um_per_m, "{axis}: {far}");
+        let far = (line.by_others_um_per_m.unwrap() - slope).abs();
+        assert!(far < 3.5 * line.u_difference_um_per_m.unwrap(), "{axis}: {far}");
         // V/c⁴ for the totals' mean and c² shares of the others: all three have one ratio.
-        let ratio = line.difference().unwrap().1.abs();
+        let ratio = line.ratio().unwrap().abs();
         close(ratio, agreement.chi_squared.sqrt(), 2e-3, "ratio");
     }
     // u(Z) against the rest, by hand: √(u² + (X/Z)⁴u² + (Y/Z)⁴u² + (R/Z)⁴·2σ²/(4R²)).
@@ -92,7 +89,7 @@ fn true_linear_axes_agree_and_each_is_confirmed_by_the_others() {
     let sigma = found.noise.unwrap().sigma_um / (truth.volume.diagonal_mm() / 1000.0);
     let lines = 0.25 * (1.0 + (x / z).powi(2) + (y / z).powi(2));
     let wanted = (lines + sigma * sigma / 2.0 / z / z).sqrt();
-    let u = agreement.lines[2].others.unwrap().u_difference_um_per_m;
+    let u = agreement.lines[2].u_difference_um_per_m.unwrap();
     close(u, wanted, 0.002, "u of the difference");
 }
 

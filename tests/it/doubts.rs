@@ -199,7 +199,7 @@ fn roll_makes_ramps_and_accuses_no_reading() {
         let readings = with_noise(&rolling(&volume, urad), sigma, &mut random);
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
         let ramps = found.closure.ramps.as_ref().unwrap();
-        assert!(ramps.is_roll(), "{ramps:?}");
+        assert!(ramps.roll, "{ramps:?}");
         assert!(found.closure.outliers.is_empty(), "{:?}", found.closure.outliers);
         // 2 b (c/R) times the roll of + less that of - diagonals, from -A to +A over the axis.
         let wanted = 4.0 * 24e-3 * volume.cosine(Axis::Z) * urad * 29.0 / 30.0;

@@ -261,7 +261,7 @@ fn conditions_of_the_diagonals_are_tested() {
     let one_way = Runs::new(UNEVEN.to_vec(), Some(vec![vec![0.0; 3]; 5]), None).unwrap();
     assert!(with(&one_way).ends_with("moving down was not measured"));
     let found = diagonal(&four, PathKind::Step, true);
-    assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
+    assert_eq!(found.conditions.list[0].met, Met::No, "single-axis steps");
     // Figures of the machine need all four.
     let runs = by_hand();
     let four = DIAGONALS.map(|name| (name, &runs));

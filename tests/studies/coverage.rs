@@ -11,7 +11,6 @@ use nonius::inputs::job::{
 };
 use nonius::machine::separation::campaign::Estimate;
 use nonius::machine::separation::curves::{ReferenceLine, range};
-use nonius::machine::separation::metric::Agreement;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::readings::{Noise, NoiseSource, coverage_factor};
 use nonius::machine::separation::reversal::Turn;
@@ -223,7 +222,8 @@ fn check(way: Way<'_>) {
         let (truth, found, _) = measured(seed, way);
         assert_eq!(found.noise.unwrap().source, source);
         assert_eq!(found.overrun, way.back, "{way:?}, machine {seed}");
-        refuted += usize::from(found.agreement.as_ref().is_some_and(Agreement::is_refuted));
+        refuted +=
+            usize::from(found.agreement.as_ref().is_some_and(|of| of.contradiction.is_some()));
         count(&mut tally, &truth, &found);
         let known = Noise { sigma_um: SIGMA_UM, freedom: None, source: NoiseSource::Stated };
         chances.extend(found.closure.test(&known).map(|test| test.probability));

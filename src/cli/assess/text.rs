@@ -1,7 +1,7 @@
 //! The page of `nonius assess` for people: the figures, then contributions, sub-volumes, distribution, grouping.
 
 use super::page::{Active, Basis, Page};
-use crate::cli::screen::{More, Screen, list, paragraphs, table};
+use crate::cli::screen::{More, Screen, headed, list, paragraphs, table};
 use crate::cli::show;
 use crate::quantity::{Axis, Diagonal, Figure, Millimetres, PerAxis};
 use crate::text::joined;
@@ -306,7 +306,7 @@ fn windows(page: &Page) -> String {
         by([size.x, size.y, size.z].map(|mm| short(mm).to_string())),
         by([grid.x, grid.y, grid.z].map(|nodes| nodes.to_string())),
     );
-    show::headed(&head, page.sides().filter_map(line))
+    headed(&head, page.sides().filter_map(line))
 }
 
 fn histogram(page: &Page) -> String {
@@ -375,7 +375,7 @@ fn grouping(page: &Page) -> String {
         "grouping of paper 002 §4.2, tolerances {} (angle) and {} (length), for comparison only: it may miss the largest difference",
         found.angular_tolerance, found.magnitude_tolerance
     );
-    show::headed(&head, page.sides().filter_map(line))
+    headed(&head, page.sides().filter_map(line))
 }
 
 fn place(place: PerAxis<f64>) -> String {

@@ -1,19 +1,22 @@
-//! What `nonius path` prints: the screen, and the document for scripts.
+//! What `nonius path` shows and writes: the screen, the document for scripts, the samples as CSV (written as they come:
+//! whole or not at all) and the worst of the holes that canned cycles drill.
 
-use super::samples::{Hole, Holes};
-use crate::cli::outcome::joined;
+use crate::cli::outcome::Output;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::kit::Inputs;
 use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
-use crate::text::{Problem, Severity, counted, of_severity};
+use crate::text::{Finding, Problem, Problems, Severity, counted, of_severity};
+use crate::visit::files::{Begun, Files, Long, Ready, not_put_out, not_written};
 use crate::visit::inputs::Corrected;
-use crate::volume::space::diameter::longest;
-use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Summary};
+use crate::volume::space::pair::dot;
+use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Sample, Summary};
 use crate::volume::volume_model::VolumeModel;
 use part_program::Ran;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
 
 /// What is printed.
 pub(super) struct Page {
@@ -21,7 +24,7 @@ pub(super) struct Page {
     pub(super) inputs: Inputs,
     pub(super) volume: VolumeModel,
     pub(super) ran: Ran,
-    pub(super) before: Followed,
+    pub(super) before: Summary,
     pub(super) after: Option<After>,
     pub(super) holes: Holes,
     pub(super) traces: Vec<Trace>,
@@ -44,87 +47,73 @@ impl Page {
 }
 
 /// The path with tables.
+#[derive(Serialize)]
 pub(super) struct After {
-    pub(super) tables: Corrected,
-    pub(super) followed: Followed,
+    /// Where they come from.
+    tables: String,
+    #[serde(flatten)]
+    followed: Summary,
+    disagreements: Vec<Finding>,
+    #[serde(skip)]
+    notes: Vec<Finding>,
 }
 
-/// The path on one machine.
-pub(super) struct Followed {
-    pub(super) summary: Summary,
-    /// Largest difference of two error vectors of the samples, µm.
-    accuracy_um: f64,
+impl After {
+    pub(super) fn of(tables: Corrected, followed: Summary) -> After {
+        let Corrected { from, disagreements, notes, .. } = tables;
+        After { tables: from, followed, disagreements, notes }
+    }
 }
 
-impl Followed {
-    pub(super) fn of(profile: Profile<'_>, program: &str) -> Result<Followed, Problem> {
-        let summary = profile.summary();
-        let Some(found) = longest(&summary.vectors) else {
-            let message = format!("`{program}` holds no move that counts");
-            return Err(Problem::new(message)
-                .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
-        };
-        Ok(Followed { accuracy_um: found.um(), summary })
+/// What was found along the path of a program on one machine.
+pub(super) fn found(profile: Profile<'_>, program: &str) -> Result<Summary, Problem> {
+    let summary = profile.summary();
+    if summary.samples == 0 {
+        let message = format!("`{program}` holds no move that counts");
+        return Err(Problem::new(message)
+            .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
     }
+    Ok(summary)
+}
 
-    fn largest_um(&self) -> f64 {
-        let range = self.summary.range(Channel::Length);
-        range.map_or(0.0, |range| range.max.um)
-    }
+fn largest_um(of: &Summary) -> f64 {
+    of.range(Channel::Length).map_or(0.0, |range| range.max.um)
+}
 
-    /// The figure, or what it lies between.
-    fn accuracy_words(&self) -> String {
-        let (least, room) = (self.accuracy_um, self.summary.room_um);
-        if room <= 0.0 {
-            return format!("{least:.3} µm");
+/// The figure, or what it lies between.
+fn accuracy_words(of: &Summary) -> String {
+    let (least, most) = (of.profile_accuracy_um, of.profile_accuracy_at_most_um);
+    match most > least {
+        false => format!("{least:.3} µm"),
+        true => {
+            format!("between {least:.3} and {most:.3} µm (too many samples to keep all that count)")
         }
-        let most = least + room;
-        format!("between {least:.3} and {most:.3} µm (too many samples to keep all that count)")
     }
+}
 
-    fn figures(&self) -> Value {
-        let s = &self.summary;
-        let extremes = Channel::ALL.into_iter().map(|channel| {
-            let key = match channel {
-                Channel::Length => "e",
-                channel => channel.word(),
-            };
-            (key.to_string(), json!(s.range(channel)))
-        });
-        json!({
-            "length_mm": s.length_mm,
-            "moves": {"straight": s.lines, "arcs": s.arcs, "rapid_left_out": s.rapids_left_out},
-            "extremes": extremes.collect::<Map<_, _>>(),
-            "profile_accuracy_um": self.accuracy_um,
-            "profile_accuracy_at_most_um": self.accuracy_um + s.room_um,
-            "samples": s.samples,
-        })
-    }
-
-    fn extremes(&self, name: &str) -> String {
-        let cells = |e: &Extreme| {
-            let [x, y, z] = e.place.map(Figure);
-            format!("{:+.3}\t{x:.3}, {y:.3}, {z:.3}\t{}", Figure(e.um), e.line)
-        };
-        let rows = Channel::ALL.into_iter().filter_map(|channel| {
-            let range = self.summary.range(channel)?;
-            let (min, max) = (cells(&range.min), cells(&range.max));
-            Some(format!("{}\t{min}\t{max}", channel.word()))
-        });
-        let heading = "\t>min/µm\tat x, y, z/mm\t>line\t>max/µm\tat x, y, z/mm\t>line";
-        format!("{name}\n{}", table(heading, rows))
-    }
+fn extremes(of: &Summary, name: &str) -> String {
+    let cells = |e: &Extreme| {
+        let [x, y, z] = e.place.map(Figure);
+        format!("{:+.3}\t{x:.3}, {y:.3}, {z:.3}\t{}", Figure(e.um), e.line)
+    };
+    let rows = Channel::ALL.into_iter().filter_map(|channel| {
+        let range = of.range(channel)?;
+        let (min, max) = (cells(&range.min), cells(&range.max));
+        Some(format!("{}\t{min}\t{max}", channel.word()))
+    });
+    let heading = "\t>min/µm\tat x, y, z/mm\t>line\t>max/µm\tat x, y, z/mm\t>line";
+    format!("{name}\n{}", table(heading, rows))
 }
 
 impl Page {
     pub(super) fn screen(&self) -> Screen {
         let after = self.after.as_ref();
-        let disagreements = after.map_or(&[][..], |after| &after.tables.disagreements);
+        let disagreements = after.map_or(&[][..], |after| &after.disagreements);
         let with = after.map(|after| {
-            let name = format!("with {}", after.tables.from);
-            after.followed.extremes(&name)
+            let name = format!("with {}", after.tables);
+            extremes(&after.followed, &name)
         });
-        let figures = [self.before.extremes("as it is"), with.unwrap_or_default()];
+        let figures = [extremes(&self.before, "as it is"), with.unwrap_or_default()];
         let missing: Vec<String> = missing(self);
         let left_out = format!("not measured, so left out: {}", missing.join(", "));
         let mut findings = [warnings(self), doubts(self)].concat();
@@ -142,30 +131,42 @@ impl Page {
             ..Screen::default()
         }
     }
+}
 
-    pub(super) fn document(&self) -> Value {
-        let notes = [remarks(self), doubts(self), vec![how(self)]].concat();
-        let after = self.after.as_ref().map(|after| {
-            joined([
-                json!({ "tables": after.tables.from }),
-                after.followed.figures(),
-                json!({ "disagreements": after.tables.disagreements }),
-            ])
-        });
-        let document = json!({
-            "schema": 1,
-            "machine": self.inputs.job.machine.name,
-            "program": self.program,
-            "blocks": self.ran.blocks,
-            "holes": self.ran.holes,
-            "worst_holes": self.holes.worst(),
-            "outside": outside_sentences(self),
-            "missing": missing(self),
-            "warnings": warnings(self),
-            "notes": notes,
-            "after": after,
-        });
-        joined([document, self.before.figures()])
+/// What scripts read.
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    schema: u32,
+    machine: &'a str,
+    program: &'a str,
+    blocks: u64,
+    holes: u64,
+    worst_holes: &'a [Hole],
+    outside: Vec<String>,
+    missing: Vec<String>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+    after: Option<&'a After>,
+    #[serde(flatten)]
+    before: &'a Summary,
+}
+
+impl Page {
+    pub(super) fn document(&self) -> Document<'_> {
+        Document {
+            schema: 1,
+            machine: &self.inputs.job.machine.name,
+            program: &self.program,
+            blocks: self.ran.blocks,
+            holes: self.ran.holes,
+            worst_holes: self.holes.worst(),
+            outside: outside_sentences(self),
+            missing: missing(self),
+            warnings: warnings(self),
+            notes: [remarks(self), doubts(self), vec![how(self)]].concat(),
+            after: self.after.as_ref(),
+            before: &self.before,
+        }
     }
 }
 
@@ -176,13 +177,13 @@ fn missing(page: &Page) -> Vec<String> {
 
 /// A number of things.
 fn heading(page: &Page) -> String {
-    let s = &page.before.summary;
-    let mut counts = vec![counted(s.lines, "straight move"), counted(s.arcs, "arc")];
+    let s = &page.before;
+    let mut counts = vec![counted(s.moves.straight, "straight move"), counted(s.moves.arcs, "arc")];
     if page.ran.holes > 0 {
         counts.push(counted(page.ran.holes, "hole"));
     }
-    if s.rapids_left_out > 0 {
-        counts.push(format!("{} left out", counted(s.rapids_left_out, "rapid move")));
+    if s.moves.rapid_left_out > 0 {
+        counts.push(format!("{} left out", counted(s.moves.rapid_left_out, "rapid move")));
     }
     format!(
         "{} on {}\npath {:.3} mm: {}; places in machine coordinates",
@@ -196,17 +197,17 @@ fn heading(page: &Page) -> String {
 fn headline(page: &Page) -> String {
     let (before, after) = (&page.before, page.after.as_ref());
     let mut lines = vec![
-        format!("largest error {:.3} µm", before.largest_um()),
+        format!("largest error {:.3} µm", largest_um(before)),
         format!(
             "profile accuracy {}: no two samples of the path differ by more in their error",
-            before.accuracy_words()
+            accuracy_words(before)
         ),
     ];
     if let Some(after) = after {
         lines.push(format!(
             "with the tables: largest error {:.3} µm, profile accuracy {}",
-            after.followed.largest_um(),
-            after.followed.accuracy_words()
+            largest_um(&after.followed),
+            accuracy_words(&after.followed)
         ));
     }
     let datum = &page.inputs.job.path.datum;
@@ -223,7 +224,7 @@ fn headline(page: &Page) -> String {
 fn warnings(page: &Page) -> Vec<String> {
     let tool = page.inputs.job.measurement.levers.tool;
     let stated = tool.is_some_and(|tool| Axis::ALL.iter().any(|axis| tool[*axis].mm().abs() > 0.0));
-    let twice = stated && page.before.summary.with_tool;
+    let twice = stated && page.before.with_tool;
     let words = "CHECK: `tool_offset_mm` of [measurement] and the tool length of G43 both move the tool point; state the way to the tool in one of them only";
     twice.then(|| words.to_string()).into_iter().collect()
 }
@@ -267,13 +268,13 @@ fn outside_sentences(page: &Page) -> Vec<String> {
             o.line,
         )
     };
-    page.before.summary.outside.iter().map(sentence).collect()
+    page.before.outside.iter().map(sentence).collect()
 }
 
 /// What a reader of the figures has to know.
 fn remarks(page: &Page) -> Vec<String> {
     let path = &page.inputs.job.path;
-    let s = &page.before.summary;
+    let s = &page.before;
     let mut notes: Vec<String> = page.ran.notes.clone();
     let mut unstated = Vec::new();
     if !path.has_start {
@@ -291,7 +292,7 @@ fn remarks(page: &Page) -> Vec<String> {
     }
     let labels = page.volume.labels.iter().filter(|label| label.severity() != Severity::Doubt);
     notes.extend(labels.map(ToString::to_string));
-    let notes_after = page.after.iter().flat_map(|after| &after.tables.notes);
+    let notes_after = page.after.iter().flat_map(|after| &after.notes);
     notes.extend(notes_after.map(ToString::to_string));
     notes
 }
@@ -305,14 +306,139 @@ fn doubts(page: &Page) -> Vec<String> {
 /// What holds for every path.
 fn how(page: &Page) -> String {
     let path = &page.inputs.job.path;
-    let s = &page.before.summary;
+    let s = &page.before;
     let mut parts =
         vec![format!("{} at most {} mm apart", counted(s.samples, "sample"), path.sample_mm)];
-    if s.arcs > 0 {
+    if s.moves.arcs > 0 {
         parts.push(format!("arcs on chords within {} mm", path.chord_mm));
     }
     parts.push(
         "without following errors, reversal (mean of the directions) and temperature".to_string(),
     );
     parts.join("; ")
+}
+
+/// A file that is being written beside its place; that of standard output is a temporary one.
+pub(super) struct Points {
+    /// `None` = standard output.
+    ready: Option<Box<dyn Ready>>,
+    writer: BufWriter<Box<dyn Long>>,
+    written: std::io::Result<()>,
+}
+
+const COLUMNS: &str =
+    "line,s_mm,x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,e_um,tangent_um,normal_um,held,hole";
+const AFTER: &str =
+    ",after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um";
+
+impl Points {
+    pub(super) fn create(
+        files: &dyn Files,
+        output: &Output,
+        has_after: bool,
+    ) -> Result<Points, Problems> {
+        let (long, ready) = output.begin(files)?;
+        let mut writer = BufWriter::with_capacity(1 << 18, long);
+        let after = if has_after { AFTER } else { "" };
+        let written = writeln!(writer, "{COLUMNS}{after}");
+        Ok(Points { ready, writer, written })
+    }
+
+    /// Writes one sample; `after_um` = the error with tables.
+    pub(super) fn write(&mut self, sample: &Sample, after_um: Option<[f64; 3]>) {
+        if self.written.is_ok() {
+            self.written = row(&mut self.writer, sample, after_um);
+        }
+    }
+
+    /// All samples, to be delivered.
+    pub(super) fn content(mut self, place: Option<&Path>) -> Result<Begun, Problems> {
+        let written = self.written.and_then(|()| self.writer.flush());
+        let (mut long, _) = self.writer.into_parts();
+        written.and_then(|()| long.rewind()).map_err(|error| match place {
+            Some(place) => not_written("cannot write", place, &error),
+            None => not_put_out(&error).into(),
+        })?;
+        Ok((long, self.ready))
+    }
+}
+
+fn row(out: &mut impl Write, sample: &Sample, after_um: Option<[f64; 3]>) -> std::io::Result<()> {
+    let [x, y, z] = sample.place.map(Figure);
+    write!(out, "{},{:.4},{x:.4},{y:.4},{z:.4},", sample.line, sample.s_mm)?;
+    error(out, sample, sample.error_um)?;
+    write!(out, ",{},", if sample.is_held { "yes" } else { "no" })?;
+    if let Some(hole) = sample.hole {
+        write!(out, "{hole}")?;
+    }
+    if let Some(after_um) = after_um {
+        write!(out, ",")?;
+        error(out, sample, after_um)?;
+    }
+    writeln!(out)
+}
+
+/// The vector, its length, its parts along the path and across it.
+fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Result<()> {
+    let (size, tangent) = (length(error), dot(&sample.ahead, &error));
+    let [x, y, z] = error.map(Figure);
+    write!(out, "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},", Figure(tangent))?;
+    match sample.left {
+        Some(left) => write!(out, "{:.6}", Figure(dot(&left, &error))),
+        None => Ok(()),
+    }
+}
+
+/// Holes that are kept; the CSV has all of them.
+const MOST_HOLES: usize = 20;
+
+/// A hole at its bottom.
+#[derive(Serialize)]
+pub(super) struct Hole {
+    #[serde(rename = "hole")]
+    pub(super) number: u64,
+    pub(super) line: usize,
+    /// Machine coordinates.
+    pub(super) at_mm: [f64; 3],
+    pub(super) error_um: [f64; 3],
+    pub(super) e_um: f64,
+    /// With tables.
+    pub(super) after_um: Option<[f64; 3]>,
+    pub(super) after_e_um: Option<f64>,
+}
+
+/// The holes with the largest errors, the worst first; of equal ones the first.
+#[derive(Default)]
+pub(super) struct Holes(Vec<Hole>);
+
+impl Holes {
+    /// Takes a sample if it is the bottom of a hole; `after_um` = the error with tables.
+    pub(super) fn take(&mut self, sample: &Sample, after_um: Option<[f64; 3]>) {
+        let Some(number) = sample.hole else { return };
+        let size = length(sample.error_um);
+        let place = self.0.partition_point(|hole| hole.e_um >= size);
+        if place == MOST_HOLES {
+            return;
+        }
+        self.0.truncate(MOST_HOLES - 1);
+        let hole = Hole {
+            number,
+            line: sample.line,
+            at_mm: sample.place,
+            error_um: sample.error_um,
+            e_um: size,
+            after_um,
+            after_e_um: after_um.map(length),
+        };
+        self.0.insert(place, hole);
+    }
+
+    pub(super) fn worst(&self) -> &[Hole] {
+        &self.0
+    }
+}
+
+/// Of an error vector.
+fn length(error: [f64; 3]) -> f64 {
+    dot(&error, &error).sqrt()
 }

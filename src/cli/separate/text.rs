@@ -1,7 +1,6 @@
 //! What `separate` prints for people: what was determined and what not, then the figures; behind
 //! them the closure, disturbed readings, the reversal at a turn and repeated runs.
 
-use super::document::open_advice;
 use super::words::{self, Found, expanded, freedom};
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{figure, named, um};
@@ -20,7 +19,7 @@ use crate::machine::standards::{Diagonals, repeatability_um};
 use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Figure, Pass, PerAxis, Plane};
 use crate::text::joined;
 
-pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
+pub(super) fn screen((separation, figures, simulated): Found<'_>, advice: &[String]) -> Screen {
     let outliers = &separation.closure.outliers;
     let more = vec![
         More::part("directions", directions(separation)),
@@ -35,7 +34,7 @@ pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
     let mut screen = words::screen(
         &separation.doubts,
         outcome(separation),
-        (&separation.undetermined, &open_advice(separation)),
+        (&separation.undetermined, advice),
         paragraphs(&[terms(separation), squareness(separation)]),
         more,
         &separation.labels,
@@ -239,7 +238,7 @@ fn scatter(closure: &Closure, noise: Noise) -> String {
 
 fn ramps(ramps: &Ramps, noise: Option<Noise>) -> String {
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
-    let verdict = if ramps.is_roll() {
+    let verdict = if ramps.roll {
         "ROLL of an axis that carries others; the ramps are left out of the scatter"
     } else if ramps.probability < FALSE_DOUBT {
         "smaller than an instrument resolves"

@@ -1,16 +1,18 @@
 //! What both pages of `separate` show: numbers, what is open and how to determine it, linear axes and
-//! beams against the diagonals.
+//! beams against the diagonals; and the page of straight runs.
 
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
-use crate::cli::show::figure;
+use crate::cli::show::{figure, um};
 use crate::machine::findings::CHECK;
 use crate::machine::separation::Separation;
 use crate::machine::separation::metric::Agreement;
 use crate::machine::separation::metric::Metric;
 use crate::machine::separation::monte_carlo::Simulated;
+use crate::machine::separation::solved::scale_sum_um_mm;
+use crate::machine::separation::straight::{ClosureTests, StraightResult};
 use crate::machine::standards::Diagonals;
-use crate::quantity::{Axis, Figure, Plane};
-use crate::text::{Finding, Severity};
+use crate::quantity::{Axis, Figure, Plane, Squared};
+use crate::text::{Finding, Severity, joined};
 
 /// What was separated, its diagonals by standard, and what was simulated where that was asked for.
 pub(super) type Found<'a> = (&'a Separation, &'a Diagonals, Option<&'a Simulated>);
@@ -114,17 +116,14 @@ pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
         return String::new();
     };
     let rows = agreement.lines.iter().map(|line| {
-        let found = line.others.zip(line.difference());
-        let others = found.map_or("nothing\t-\t-".to_string(), |(others, (by, _))| {
-            let [found, by, u] =
-                [others.found_um_per_m, by, others.u_difference_um_per_m].map(Figure);
-            format!("{found:.3}\t{by:+.3}\t{u:.3}")
-        });
-        format!("{}\t{:.3}\t{others}", line.name(), Figure(line.stated_um_per_m))
+        let others = figure(line.by_others_um_per_m, "nothing");
+        let by = line.difference_um_per_m.map_or("-".into(), |by| format!("{:+.3}", Figure(by)));
+        let (stated, u) = (Figure(line.stated_um_per_m), um(line.u_difference_um_per_m));
+        format!("{}\t{stated:.3}\t{others}\t{by}\t{u}", line.name)
     });
     let heading = "line\t>stated/(µm/m)\t>by all others/(µm/m)\t>difference/(µm/m)\t>u(k=1)/(µm/m)";
     let verdict = match agreement.probability {
-        Some(p) if agreement.is_refuted() => {
+        Some(p) if agreement.contradiction.is_some() => {
             format!("probability {p:.3}: they DISAGREE; {CHECK}")
         }
         Some(p) => format!("probability {p:.3}: they agree"),
@@ -136,4 +135,94 @@ pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
         agreement.chi_squared,
         agreement.freedom
     )
+}
+
+/// What `separate` says of straight runs.
+pub(super) fn straight_screen(
+    result: &StraightResult,
+    figures: &Diagonals,
+    open: (&[Finding], &[String]),
+) -> Screen {
+    let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
+    let closure = result.closure.as_ref();
+    screen(
+        &result.doubts,
+        outcome(result),
+        open,
+        paragraphs(&[
+            straight_squareness(result),
+            scales(result),
+            closure.map_or_else(String::new, closure_table),
+        ]),
+        vec![
+            More::part("linear axes and beams", agreement(result.agreement.as_ref())),
+            More::part("diagonals", diagonals),
+        ],
+        &result.labels,
+    )
+}
+
+fn outcome(result: &StraightResult) -> String {
+    let known = |axis: &Axis| result.metric.scale(*axis).um_per_m.is_some();
+    let scales = match joined(Axis::ALL.into_iter().filter(known)) {
+        none if none.is_empty() => "no single scale".to_string(),
+        known => format!("scale of {known}"),
+    };
+    let mut lines = vec![format!(
+        "Straight runs along the four body diagonals: squareness XY, XZ, YZ; {scales}; no straightness (that needs single-axis steps)"
+    )];
+    lines.extend(result.silence.sentences());
+    lines.join("\n")
+}
+
+fn straight_squareness(result: &StraightResult) -> String {
+    let table = squareness(&result.metric, "", |_| String::new());
+    format!("{table}; from the totals of the diagonals, so of the lines through the end points")
+}
+
+fn scales(result: &StraightResult) -> String {
+    let share = |axis| result.volume.cosine(axis).squared();
+    let shares = Axis::ALL.map(|axis| format!("{:.3} x slope of E{axis}{axis}", share(axis)));
+    let square_m = result.volume.diagonal_mm().squared() / 1000.0;
+    let mut lines = vec![format!(
+        "One combination of the scales from the diagonals alone: {} = {:.3} µm/m",
+        shares.join(" + "),
+        Figure(scale_sum_um_mm(&result.volume, &result.end_um) / square_m)
+    )];
+    for axis in Axis::ALL {
+        let found = result.metric.scale(axis);
+        if let Some(scale) = found.um_per_m {
+            let u = expanded(found.expanded_um_per_m());
+            lines.push(format!("slope of E{axis}{axis}: {:.3} µm/m, U(95 %) {u}", Figure(scale)));
+        }
+    }
+    lines.join("\n")
+}
+
+fn closure_table(closure: &ClosureTests) -> String {
+    let rows = closure.tests.iter().map(|test| {
+        let (largest, end) = (Figure(test.largest_um), Figure(test.end_um));
+        let (pass, u) = (test.pass.word(), expanded(test.u_end_um));
+        let ratio = test.worst_ratio.map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}"));
+        format!("{}\t{pass}\t{largest:.3}\t{end:+.3}\t{u}\t{ratio}", test.diagonal)
+    });
+    let heading = "diagonal\truns\t>largest/µm\t>far end/µm\t>U(k=2) there/µm\t>largest by its u";
+    format!(
+        "Closure test: measured less what the nine errors of `closure_errors` predict, each run from its own start\n{}\n{}",
+        table(heading, rows),
+        verdict(closure)
+    )
+}
+
+fn verdict(closure: &ClosureTests) -> String {
+    let of_table = if closure.table_states_u {
+        "noise of the readings and the table's u"
+    } else {
+        "noise of the readings only: the table states no u"
+    };
+    match closure.agrees {
+        None => "no verdict: the noise of the readings is not known (repeat the runs, or state `noise_um`)".to_string(),
+        Some(true) => format!("in keeping: no difference is beyond {:.1} u ({of_table})", closure.k),
+        Some(false) => format!("NOT in keeping: a difference is beyond {:.1} u ({of_table}); the nine errors do not describe this machine as it is now", closure.k),
+    }
 }

@@ -3,7 +3,7 @@
 //!
 //! A run that is at work holds a lock on what it made, so that no other run takes it for left over.
 
-use crate::cli::terminal::say;
+use crate::cli::screen::say;
 use crate::visit::files::printed;
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Result};

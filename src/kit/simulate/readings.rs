@@ -22,18 +22,30 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 /// Simulated readings.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Simulation {
     /// Every run, as an instrument would hand it over (but for `laser_sign`).
+    #[serde(skip)]
     pub runs: Vec<Run>,
-    /// Figures of every diagonal as predicted, without noise.
-    pub predicted: PerDiagonal<DiagonalFigures>,
+    /// Figures of every diagonal.
+    pub diagonals: PerDiagonal<Predicted>,
     /// Max − min over all diagonals as predicted, µm.
-    pub predicted_over_all_um: f64,
-    /// The same figures of the readings with their noise, means of the runs.
-    pub read: PerDiagonal<DiagonalFigures>,
+    pub range_over_all_um: f64,
     /// Max − min over all diagonals of the readings, µm.
-    pub read_over_all_um: f64,
+    pub read_range_over_all_um: f64,
+}
+
+/// Figures of a diagonal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Predicted {
+    /// Far end less start as predicted, without noise, µm.
+    pub end_um: f64,
+    /// Max − min as predicted, µm.
+    pub range_um: f64,
+    /// Far end less start of the readings with their noise, mean of the runs, µm.
+    pub read_end_um: f64,
+    /// Max − min of the readings, µm.
+    pub read_range_um: f64,
 }
 
 /// Readings of each pass by node, zero at the forward start, µm.
@@ -62,12 +74,17 @@ pub fn readings(
         runs.extend(rehearsal.noisy_runs(diagonal, index, &passes));
     }
     let kind = rehearsal.measurement.kind;
-    let (predicted, predicted_over_all_um) = figures(&exact, kind);
-    let (read, read_over_all_um) = figures(&runs, kind);
+    let (predicted, range_over_all_um) = figures(&exact, kind);
+    let (read, read_range_over_all_um) = figures(&runs, kind);
+    let diagonals = PerDiagonal::from_fn(|d| {
+        let DiagonalFigures { end_um, range_um } = predicted[d];
+        let DiagonalFigures { end_um: read_end_um, range_um: read_range_um } = read[d];
+        Predicted { end_um, range_um, read_end_um, read_range_um }
+    });
     for run in &mut runs {
         rehearsal.add_expansion(run);
     }
-    Ok(Simulation { runs, predicted, predicted_over_all_um, read, read_over_all_um })
+    Ok(Simulation { runs, diagonals, range_over_all_um, read_range_over_all_um })
 }
 
 impl Rehearsal {

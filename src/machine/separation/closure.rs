@@ -28,6 +28,7 @@ use crate::machine::findings::SeparationFinding as Found;
 use crate::quantity::{Axis, Diagonal, PerAxis, Squared, Volume};
 use crate::text::Finding;
 use nalgebra::{DVector, Matrix3, Vector3};
+use serde::Serialize;
 
 /// More disturbed readings are counted in the doubts; the result lists them.
 const NAMED: usize = 3;
@@ -111,7 +112,7 @@ impl Closure {
         });
         let more = self.outliers.len().saturating_sub(NAMED);
         let more = (more > 0).then_some(Found::MoreDisturbed { more });
-        let roll = self.ramps.as_ref().filter(|ramps| ramps.is_roll());
+        let roll = self.ramps.as_ref().filter(|ramps| ramps.roll);
         let roll = roll.map(|ramps| Found::Roll { changes: ramps.change_um });
         let tilted = perfect.and_then(|noise| self.against_perfect(noise));
         named.chain(more).chain(roll).chain(tilted).map(Finding::from).collect()
@@ -207,26 +208,26 @@ pub(super) struct Patterns {
 }
 
 /// Straight ramps of w over each axis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ramps {
     /// From the first interval to the last, µm.
     pub change_um: PerAxis<f64>,
     /// Their standard deviations for readings of 1 µm.
+    #[serde(skip)]
     pub u: PerAxis<f64>,
     /// Probability of ramps at least as large by noise alone.
+    #[serde(skip)]
     by_noise: f64,
     /// The same by noise and the stated angles.
     pub probability: f64,
+    /// Whether they speak of the roll of an axis that carries others, beyond what is stated of it.
+    pub roll: bool,
     /// How far they are beyond what noise and these angles make, µm.
+    #[serde(skip)]
     pub(super) beyond_um: PerAxis<f64>,
 }
 
 impl Ramps {
-    /// Whether they speak of the roll of an axis that carries others, beyond what is stated of it.
-    pub fn is_roll(&self) -> bool {
-        self.is_no_noise() && self.probability < FALSE_DOUBT
-    }
-
     /// Whether they are no noise of the readings, so that they do not belong in its test.
     pub(super) fn is_no_noise(&self) -> bool {
         let sizes = self.change_um.iter().map(|(_, um)| um.abs());
@@ -372,13 +373,16 @@ impl Patterns {
             orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
         let by_axis = |of: &dyn Fn(usize) -> f64| PerAxis::from_fn(|axis| of(axis as usize));
         let beyond = |i: usize| shares[i].abs() - NORMAL_ONE_SIDED * spread[(i, i)].sqrt();
-        Some(Ramps {
+        let mut ramps = Ramps {
+            roll: false,
             change_um: by_axis(&|i| shares[i]),
             u: by_axis(&|i| inverse[(i, i)].sqrt()),
             by_noise: by_noise.0,
             probability,
             beyond_um: by_axis(&|i| beyond(i).max(0.0)),
-        })
+        };
+        ramps.roll = ramps.is_no_noise() && probability < FALSE_DOUBT;
+        Some(ramps)
     }
 
     /// Names disturbed readings one by one, the largest first, until none stands out, with the ramps left free; leaves

@@ -30,6 +30,7 @@ use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, ErrorTerm, Figure, PerAxis, PerPlane, Plane, Squared};
 use crate::text::{Finding, joined};
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector6};
+use serde::Serialize;
 
 /// Of the largest singular value: below this a direction of the unknowns is not measured.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -314,27 +315,36 @@ impl Equations {
             // Whether the slope along the direction is determined.
             let holds = rest.open.tr_mul(&row).norm() < SHARE_TOLERANCE * row.norm();
             let found = holds.then(|| rest.solved(|one| one.direction, variance)).flatten();
-            let others = found.map(|found| Others {
-                found_um_per_m: row.dot(&found.unknowns),
-                u_difference_um_per_m: (variance(one) + row.dot(&(&found.spread * row))).sqrt(),
+            let others = found.map(|found| {
+                let u = (variance(one) + row.dot(&(&found.spread * row))).sqrt();
+                (row.dot(&found.unknowns), u)
             });
-            LineCheck { direction: one.direction, stated_um_per_m: one.value, others }
+            LineCheck {
+                name: name(&one.direction),
+                stated_um_per_m: one.value,
+                by_others_um_per_m: others.map(|(found, _)| found),
+                difference_um_per_m: others.map(|(found, _)| one.value - found),
+                u_difference_um_per_m: others.map(|(_, u)| u),
+            }
         };
         let mut lines: Vec<LineCheck> = self.all.iter().enumerate().map(check).collect();
         let false_by = |line: &LineCheck| {
-            let by = line.difference().zip(line.others).map_or(0.0, |((by, _), others)| {
-                by.abs() - NORMAL_ONE_SIDED * others.u_difference_um_per_m
-            });
-            by.max(0.0)
+            let by = line.difference_um_per_m.zip(line.u_difference_um_per_m);
+            by.map_or(0.0, |(by, u)| (by.abs() - NORMAL_ONE_SIDED * u).max(0.0))
         };
         let false_by_um_per_m = lines.iter().map(false_by).collect();
         let known = self.all[..DIAGONALS].iter().all(|one| one.known);
+        let lines = lines.split_off(DIAGONALS);
+        let probability = chance_of(chi_squared, freedom, None).filter(|_| known);
+        let taken_as_exact = self.all[DIAGONALS..].iter().any(|line| !line.known);
+        let refuted = probability.filter(|p| *p < SMALL_PROBABILITY);
+        let contradiction = refuted.map(|_| contradiction(&lines, taken_as_exact));
         Some(Agreement {
             chi_squared,
             freedom,
-            probability: chance_of(chi_squared, freedom, None).filter(|_| known),
-            lines: lines.split_off(DIAGONALS),
-            taken_as_exact: self.all[DIAGONALS..].iter().any(|line| !line.known),
+            probability,
+            contradiction,
+            lines,
             false_by_um_per_m,
         })
     }
@@ -354,79 +364,64 @@ impl Equations {
 const SMALL_PROBABILITY: f64 = 0.001;
 
 /// One line against the diagonals and all other lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineCheck {
-    /// Its direction, of length 1.
-    pub direction: PerAxis<f64>,
+    /// `X` for a linear axis, else `beam` and its direction.
+    #[serde(rename = "line")]
+    pub name: String,
     /// Its slope as measured (a beam: less the shapes between its ends), µm/m.
     pub stated_um_per_m: f64,
-    /// What everything else says of it; `None` where nothing else does.
-    pub others: Option<Others>,
-}
-
-/// What everything else says of a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Others {
-    /// Its slope, µm/m.
-    pub found_um_per_m: f64,
-    /// Standard uncertainty (k = 1) of stated − found, µm/m.
-    pub u_difference_um_per_m: f64,
+    /// What everything else says of it, µm/m; `None` where nothing else does.
+    pub by_others_um_per_m: Option<f64>,
+    /// Stated less by others, µm/m.
+    pub difference_um_per_m: Option<f64>,
+    /// Its standard uncertainty (k = 1), µm/m.
+    pub u_difference_um_per_m: Option<f64>,
 }
 
 impl LineCheck {
-    /// Stated − found, µm/m, and the same in standard deviations.
-    pub fn difference(&self) -> Option<(f64, f64)> {
-        let others = self.others?;
-        let difference = self.stated_um_per_m - others.found_um_per_m;
-        Some((difference, difference / others.u_difference_um_per_m))
+    /// The difference in standard deviations.
+    pub fn ratio(&self) -> Option<f64> {
+        Some(self.difference_um_per_m? / self.u_difference_um_per_m?)
     }
+}
 
-    /// `X` for a linear axis, else `beam` and its direction.
-    pub fn name(&self) -> String {
-        let along = |axis: &Axis| (self.direction[*axis].abs() - 1.0).abs() < 1e-9;
-        match Axis::ALL.iter().find(|axis| along(axis)) {
-            Some(axis) => axis.to_string(),
-            None => {
-                let PerAxis { x, y, z } = self.direction;
-                format!("beam ({x:.2}, {y:.2}, {z:.2})")
-            }
+fn name(direction: &PerAxis<f64>) -> String {
+    let along = |axis: &Axis| (direction[*axis].abs() - 1.0).abs() < 1e-9;
+    match Axis::ALL.iter().find(|axis| along(axis)) {
+        Some(axis) => axis.to_string(),
+        None => {
+            let PerAxis { x, y, z } = direction;
+            format!("beam ({x:.2}, {y:.2}, {z:.2})")
         }
     }
 }
 
 /// The test of what is redundant.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agreement {
     /// Weighed residuals.
     pub chi_squared: f64,
     /// ν, number of redundant equations, at least 1.
+    #[serde(rename = "degrees_of_freedom")]
     pub freedom: usize,
     /// Probability of residuals at least as large; `None` where the noise of the readings is not known.
     pub probability: Option<f64>,
+    /// Whether the equations contradict each other, and by how much.
+    pub contradiction: Option<Finding>,
     /// The lines, in the order of the job.
     pub lines: Vec<LineCheck>,
-    /// Whether a line's uncertainty is not known: it counts as exact in this test.
-    pub taken_as_exact: bool,
     /// By how much each equation may be false if it alone is: the diagonals, then the lines, µm/m.
+    #[serde(skip)]
     pub(super) false_by_um_per_m: Vec<f64>,
 }
 
-impl Agreement {
-    /// Whether the equations contradict each other.
-    pub fn is_refuted(&self) -> bool {
-        self.probability.is_some_and(|p| p < SMALL_PROBABILITY)
-    }
-
-    /// The contradiction; `None` where there is none.
-    pub(crate) fn contradiction(&self) -> Option<SeparationFinding> {
-        let says = |line: &LineCheck| {
-            let (um_per_m, ratio) = line.difference()?;
-            let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
-            Some(format!("{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"))
-        };
-        self.is_refuted().then(|| SeparationFinding::LinesDisagree {
-            lines: joined(self.lines.iter().filter_map(says)),
-            taken_as_exact: self.taken_as_exact,
-        })
-    }
+/// What contradicts each other; `taken_as_exact`: whether a line's uncertainty is not known.
+fn contradiction(lines: &[LineCheck], taken_as_exact: bool) -> Finding {
+    let says = |line: &LineCheck| {
+        let (um_per_m, ratio) = (Figure(line.difference_um_per_m?), line.ratio()?.abs());
+        Some(format!("{} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)", line.name))
+    };
+    let lines = joined(lines.iter().filter_map(says));
+    SeparationFinding::LinesDisagree { lines, taken_as_exact }.into()
 }

@@ -90,9 +90,8 @@ pub fn straight(
     let (figures, _) = readings::figures(&start.runs, PathKind::Straight);
     let disturbed = start.outliers.iter().map(Outlier::words);
     let doubts = disturbed
-        .map(|which| SeparationFinding::DisturbedTotal { which })
-        .chain(agreement.as_ref().and_then(Agreement::contradiction))
-        .map(Finding::from)
+        .map(|which| SeparationFinding::DisturbedTotal { which }.into())
+        .chain(agreement.as_ref().and_then(|of| of.contradiction.clone()))
         .chain(large_noise(start.noise, campaign.stated.noise_um));
     Ok(StraightResult {
         volume: volume.clone(),
@@ -129,23 +128,17 @@ pub struct ClosureTest {
 }
 
 /// All closure tests of a measurement and their verdict.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosureTests {
-    /// By diagonal and direction.
-    pub tests: Vec<ClosureTest>,
+    /// Whether no difference is beyond k·u; `None` where u is not known.
+    pub agrees: Option<bool>,
     /// k of the limit k·u, so that one in twenty machines that agree has a difference beyond it
     /// anywhere.
     pub k: f64,
     /// Whether the table states its uncertainty; else that of the readings alone counts.
     pub table_states_u: bool,
-}
-
-impl ClosureTests {
-    /// Whether no difference is beyond k·u; `None` where u is not known.
-    pub(crate) fn agrees(&self) -> Option<bool> {
-        let ratios: Option<Vec<f64>> = self.tests.iter().map(|test| test.worst_ratio).collect();
-        ratios.map(|ratios| ratios.iter().all(|ratio| *ratio <= self.k))
-    }
+    /// By diagonal and direction.
+    pub tests: Vec<ClosureTest>,
 }
 
 /// A predicted reading, µm, and the square of what the table states of its uncertainty.
@@ -153,7 +146,7 @@ type Predicted = (f64, Option<f64>);
 
 /// Compares straight runs with what nine errors predict.
 fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, Problems> {
-    let mut found = ClosureTests { tests: Vec::new(), k: 0.0, table_states_u: true };
+    let mut found = ClosureTests { agrees: None, k: 0.0, table_states_u: true, tests: Vec::new() };
     for walk in &start.walks {
         let predicted = predicted(start.volume(), table, walk)?;
         found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
@@ -164,6 +157,8 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     // k of a test of so many differences together.
     let differences = float((found.tests.len() * start.volume().steps).max(1));
     found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
+    let ratios: Option<Vec<f64>> = found.tests.iter().map(|test| test.worst_ratio).collect();
+    found.agrees = ratios.map(|ratios| ratios.iter().all(|ratio| *ratio <= found.k));
     Ok(found)
 }
 

@@ -1,11 +1,12 @@
 //! ISO 230-6 and ASME B5.54: figures of the body diagonals.
 
 use super::iso_230_2::{self, Travel};
-use super::{Condition, Met, largest, range};
+use super::{Condition, Conditions, Counts, Met, largest, range};
 use crate::inputs::target_runs::Runs;
 use crate::machine::separation::readings::{by_node, spacing};
-use crate::quantity::{Diagonal, Direction, Pass, PathKind, Run, Volume};
-use crate::text::Problem;
+use crate::quantity::{Diagonal, Pass, PathKind, Run, Volume};
+use crate::text::{Named, Problem};
+use serde::Serialize;
 
 /// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
 /// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
@@ -18,7 +19,7 @@ pub(crate) fn repeatability_um(runs: &[Run], diagonal: Diagonal, pass: Pass) -> 
 
 /// Runs of one diagonal over its cell ends (step) or nodes (straight) as runs of a standard's test; up =
 /// forward.
-pub(crate) fn diagonal_runs(
+fn diagonal_runs(
     volume: &Volume,
     kind: PathKind,
     diagonal: Diagonal,
@@ -33,17 +34,33 @@ pub(crate) fn diagonal_runs(
     Runs::new(targets.collect(), up, down)
 }
 
+/// Figures of the body diagonals by standard. `runs`: only those that count from the start of the forward run, or the two directions
+/// cannot be compared; `length_is_known`: whether somebody knows the size of the box.
+pub(crate) fn by_standard(
+    volume: &Volume,
+    kind: PathKind,
+    runs: &[Run],
+    length_is_known: bool,
+) -> Result<Diagonals, Problem> {
+    let each = Diagonal::ALL.into_iter();
+    let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
+    let runs = each.collect::<Result<Vec<_>, Problem>>()?;
+    let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
+    Ok(diagonal(&named, kind, length_is_known))
+}
+
 /// Edition of ISO 230-6 that is meant.
 const EDITION: [u16; 1] = [2002];
 
 /// Figures of one body diagonal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiagonalFigures {
-    /// Its name, e.g. `PPN`.
-    pub name: String,
+    /// Number of its targets.
+    pub targets: usize,
     /// Its runs up and down.
-    pub runs: [usize; 2],
+    pub runs: Counts,
     /// E, M, B, B̄, R and A as for an axis, on the coordinate along the diagonal.
+    #[serde(flatten)]
     pub figures: iso_230_2::Figures,
     /// Largest minus smallest mean deviation over all directions that were measured, µm: E where
     /// both were, E↑ or E↓ where one was.
@@ -51,22 +68,24 @@ pub struct DiagonalFigures {
 }
 
 /// Figures of the body diagonals and of the machine.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagonals {
     /// How they have to be labelled: by the motion, and by the conditions that are missed.
     pub label: String,
-    /// Each diagonal, in the order given.
-    pub diagonals: Vec<DiagonalFigures>,
+    /// Each diagonal by its name, e.g. `PPN`, in the order given.
+    pub(crate) diagonals: Named<String, DiagonalFigures>,
     /// E_d of ISO 230-6; absent unless there are four diagonals in both directions.
+    #[serde(rename = "E_d_um")]
     pub e_d_um: Option<f64>,
     /// B_d of ISO 230-6; absent unless there are four diagonals in both directions.
+    #[serde(rename = "B_d_um")]
     pub b_d_um: Option<f64>,
     /// Largest range of a single diagonal, in the style of ASME B5.54; absent unless there are four.
     pub largest_range_um: Option<f64>,
     /// Range over all diagonals together, in the style of ASME B5.54; absent unless there are four.
     pub range_over_all_um: Option<f64>,
     /// Conditions of ISO 230-6.
-    pub conditions: Vec<Condition>,
+    pub conditions: Conditions,
 }
 
 /// Figures of the body diagonals, in the style of ISO 230-6 and ASME B5.54.
@@ -93,13 +112,14 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bo
         let own = figures.targets.iter().flat_map(|of| [of.mean.up_um, of.mean.down_um]);
         let own: Vec<f64> = own.flatten().collect();
         means.extend_from_slice(&own);
-        let runs = Direction::BOTH.map(|way| runs.count(way));
-        DiagonalFigures { name: (*name).to_string(), runs, figures, range_um: range(own) }
+        let (targets, runs) = (figures.targets.len(), Counts::of(runs));
+        let found = DiagonalFigures { targets, runs, figures, range_um: range(own) };
+        ((*name).to_string(), found)
     });
-    let figures: Vec<DiagonalFigures> = figures.collect();
-    let complete = figures.len() == Diagonal::ALL.len();
+    let figures: Named<String, DiagonalFigures> = figures.collect();
+    let complete = diagonals.len() == Diagonal::ALL.len();
     let of_machine = |figure: fn(&DiagonalFigures) -> Option<f64>| {
-        let all: Option<Vec<f64>> = figures.iter().map(figure).collect();
+        let all: Option<Vec<f64>> = figures.iter().map(|(_, of)| figure(of)).collect();
         largest(all.filter(|_| complete)?)
     };
     let conditions = conditions(diagonals, kind, length_is_known);
@@ -118,7 +138,7 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bo
         largest_range_um: of_machine(|of| of.range_um),
         range_over_all_um: range(means).filter(|_| complete),
         diagonals: figures,
-        conditions,
+        conditions: Conditions { list: conditions },
     }
 }
 

@@ -9,6 +9,7 @@ use crate::machine::separation::curves::mean;
 use crate::machine::standards::{ByDirection, Condition, Met, in_words, largest, range};
 use crate::quantity::{Direction, UM_PER_MM};
 use crate::text::{Finding, Problem, counted};
+use serde::{Serialize, Serializer};
 
 /// Editions whose formulas these are.
 pub const EDITIONS: [u16; 3] = [1997, 2006, 2014];
@@ -67,12 +68,21 @@ impl AxisFigures {
     }
 }
 
+/// In documents each with its unit.
+impl Serialize for AxisFigures {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.named_um().map(|(name, um)| (format!("{name}_um"), um)))
+    }
+}
+
 /// All figures of the standard.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// Of each target, ascending.
+    #[serde(skip)]
     pub targets: Vec<TargetFigures>,
     /// Of the axis.
+    #[serde(flatten)]
     pub axis: AxisFigures,
 }
 

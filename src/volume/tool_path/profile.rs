@@ -5,9 +5,11 @@ use super::extremes::{Channel, Range, squares, through, turning_points};
 use super::map::PathMap;
 use crate::inputs::job::Job;
 use crate::quantity::{Axis, Figure};
+use crate::volume::space::diameter::longest;
 use crate::volume::space::pair::{dot, minus};
 use crate::volume::volume_model::VolumeModel;
 use part_program::{Move, Place, Plane, Refused, Shape};
+use serde::{Serialize, Serializer};
 
 /// Samples of one move: a kilometre in steps of a micrometre.
 const MOST_STEPS: f64 = 2e9;
@@ -85,29 +87,45 @@ pub struct Outside {
 }
 
 /// What was found along a path.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Length of the moves that were followed, mm.
     pub length_mm: f64,
-    /// Straight moves that were followed.
-    pub lines: u64,
-    /// Arcs that were followed.
-    pub arcs: u64,
-    /// Rapid moves that were left out.
-    pub rapids_left_out: u64,
+    /// Numbers of moves.
+    pub moves: Moves,
     /// Range of each channel, in the order of [`Channel::ALL`].
+    #[serde(rename = "extremes", serialize_with = "by_name")]
     ranges: [Range; 6],
+    /// Largest difference of two error vectors of the samples, µm.
+    pub profile_accuracy_um: f64,
+    /// What it is at most, µm: more where there are too many samples to keep all that count.
+    pub profile_accuracy_at_most_um: f64,
     /// Number of samples.
     pub samples: u64,
-    /// Error vectors of samples, µm: those among which the ends of the largest difference are.
-    pub vectors: Vec<[f64; 3]>,
-    /// What the largest difference of all samples may be longer than that of these, µm; 0 = it is
-    /// theirs.
-    pub room_um: f64,
     /// Where the path leaves the measured range.
+    #[serde(skip)]
     pub outside: Vec<Outside>,
     /// Whether a tool length was used.
+    #[serde(skip)]
     pub with_tool: bool,
+}
+
+/// Numbers of moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Moves {
+    /// Straight ones that were followed.
+    pub straight: u64,
+    /// Arcs that were followed.
+    pub arcs: u64,
+    /// Rapid ones that were left out.
+    pub rapid_left_out: u64,
+}
+
+/// Channels by their names, without marks; a channel without a value is `null`.
+fn by_name<S: Serializer>(ranges: &[Range; 6], to: S) -> Result<S::Ok, S::Error> {
+    let ranges = ranges.iter().map(|range| Some(range).filter(|range| range.is_found()));
+    let names = Channel::ALL.map(|channel| channel.word().trim_matches('|'));
+    to.collect_map(names.into_iter().zip(ranges))
 }
 
 /// Follows moves on one machine.
@@ -146,7 +164,7 @@ impl<'m> Profile<'m> {
     /// Follows a move; every sample is given to `sample`.
     pub fn follow(&mut self, step: &Move, sample: &mut impl FnMut(&Sample)) -> Result<(), Refused> {
         if step.rapid && !self.limits.rapid {
-            self.found.rapids_left_out += 1;
+            self.found.moves.rapid_left_out += 1;
             return self.check_travel(step.to);
         }
         let longer = step.tool_mm.map_or(0.0, |mm| mm - self.limits.measured_tool_mm);
@@ -156,11 +174,11 @@ impl<'m> Profile<'m> {
         let mut stretch = Stretch { from, to, begins: true, common };
         let chords = match step.shape {
             Shape::Line => {
-                self.found.lines += 1;
+                self.found.moves.straight += 1;
                 1
             }
             Shape::Arc(arc) => {
-                self.found.arcs += 1;
+                self.found.moves.arcs += 1;
                 let radius = arc.radius[0].max(arc.radius[1]);
                 chords(arc.sweep_rad, radius, self.limits.chord_mm)
             }
@@ -402,7 +420,9 @@ impl<'m> Profile<'m> {
         let (vectors, room_um) = self.cloud.ends();
         let mut found = self.found;
         found.outside.sort_by_key(|outside| outside.axis);
-        Summary { vectors, room_um, ..found }
+        found.profile_accuracy_um = longest(&vectors).map_or(0.0, |longest| longest.um());
+        found.profile_accuracy_at_most_um = found.profile_accuracy_um + room_um;
+        found
     }
 }
 

@@ -15,24 +15,21 @@ use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::PathKind;
 use crate::text::{Finding, Problem, Problems, Source, header_and_rows, joined};
-use crate::visit::campaign::CampaignFiles;
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, ACTIVE};
-use crate::visit::job_files::{Given, JobFiles};
+use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
-pub(in crate::cli) struct Second {
-    pub(super) measurement: AfterMeasurement,
+pub(crate) struct Second {
+    pub(crate) measurement: AfterMeasurement,
     /// What its errors were read from; absent = an error table alone, or straight runs.
-    pub(super) errors: Option<ErrorSource>,
-    pub(super) hashes: Vec<HashedFile>,
-    /// `date` and protocol of its job; empty without a job.
-    pub(super) protocol: Vec<(String, String)>,
+    pub(crate) errors: Option<ErrorSource>,
+    pub(crate) hashes: Vec<HashedFile>,
     /// What its job states or leaves open, one sentence each.
-    pub(super) notes: Vec<Finding>,
+    pub(crate) notes: Vec<Finding>,
     /// Its job; absent = an error table alone.
-    pub(super) job: Option<Job>,
+    pub(crate) job: Option<Job>,
     /// The tables that were active as its job names them, where they lie elsewhere.
     active: Option<ActiveControl>,
 }
@@ -63,13 +60,6 @@ fn active(
     }
 }
 
-/// When it was measured, by whom, with what.
-fn protocol(job: &Job) -> Vec<(String, String)> {
-    let date = job.measurement.date.iter();
-    let date = date.map(|date| ("date".to_string(), date.clone()));
-    date.chain(job.measurement.protocol.clone()).collect()
-}
-
 /// What a second job states that its figures do not hold, and what it leaves open.
 fn notes(job: &Job, tables: &Path) -> Vec<Finding> {
     let mut notes = job.measurement.notes();
@@ -83,7 +73,7 @@ fn notes(job: &Job, tables: &Path) -> Vec<Finding> {
 impl Second {
     /// Reads an error table, or a job with errors, readings or straight diagonals, measured with the
     /// tables of a directory active.
-    pub(super) fn read(
+    pub(crate) fn read(
         files: &dyn Files,
         first: &Inputs,
         path: &Path,
@@ -96,7 +86,6 @@ impl Second {
                 measurement: of_table(first, source)?,
                 errors: None,
                 hashes: vec![file.hash],
-                protocol: Vec::new(),
                 notes: Vec::new(),
                 job: None,
                 active: None,
@@ -113,21 +102,30 @@ impl Second {
             measurement,
             errors,
             hashes: hashes.into_inner(),
-            protocol: protocol(&job),
             notes: notes(&job, tables),
             job: Some(job),
             active,
         })
     }
 
+    /// `date` and protocol of its job: when it was measured, by whom, with what; nothing without a job.
+    pub(crate) fn protocol(&self) -> Vec<(String, String)> {
+        let measurement = self.job.iter().map(|job| &job.measurement);
+        let of = measurement.flat_map(|of| {
+            let date = of.date.iter().map(|date| ("date".to_string(), date.clone()));
+            date.chain(of.protocol.clone())
+        });
+        of.collect()
+    }
+
     /// The files that it was read from.
-    pub(super) fn files_words(&self) -> String {
+    pub(crate) fn files_words(&self) -> String {
         let names = joined(self.hashes.iter().map(|file| &file.path));
         format!("measured afterwards, with the tables active: {names}")
     }
 
     /// Refuses a measurement that was taken with other tables than those that are judged.
-    pub(super) fn ensure_active(
+    pub(crate) fn ensure_active(
         &self,
         first: &Inputs,
         loaded: &Loaded<'_>,
@@ -208,7 +206,7 @@ fn of_job(
 
 /// The machine as found under each slip of the records of the first measurement; none where its job
 /// gives errors, not readings.
-pub(super) fn corrected(
+pub(crate) fn corrected(
     files: &dyn Files,
     first: &Inputs,
     job_path: &Path,
