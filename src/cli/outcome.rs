@@ -227,7 +227,7 @@ impl Outcome {
 
     /// The same, and this is said at the end, unless nobody wants to hear it.
     pub(super) fn saying(mut self, detail: Detail, text: impl Into<String>) -> Outcome {
-        if detail.talks() {
+        if !detail.quiet {
             self.talk += text.into().trim_end();
             self.talk.push('\n');
         }

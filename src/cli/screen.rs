@@ -22,14 +22,7 @@ pub(super) struct Detail {
     explain: bool,
     /// Print the verdict only, and what is assumed and has to be decided or proved
     #[arg(short, long, conflicts_with = "explain")]
-    quiet: bool,
-}
-
-impl Detail {
-    /// Whether what was written and the next steps are said.
-    pub(super) fn talks(self) -> bool {
-        !self.quiet
-    }
+    pub(super) quiet: bool,
 }
 
 /// What stands elsewhere, and is announced with its count.

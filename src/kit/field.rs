@@ -96,7 +96,8 @@ pub(super) fn differences(
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
             let names: Vec<&str> = files.iter().map(|file| file.path).collect();
             let file = names.join("`, `");
-            if proof.is_none_or(|p| p.tables != read.tables) || sets_machine_data(&read) {
+            let sets_data = read.machine_data.iter().any(|file| !file.data.is_empty());
+            if sets_data || proof.is_none_or(|p| p.tables != read.tables) {
                 found.push(FieldFault::OtherProof { file: file.clone() }.into());
             }
             found.extend(read.unwritten.iter().map(|parameter| {
@@ -107,10 +108,6 @@ pub(super) fn differences(
     }
     found.extend(rollback_differs(asked, files)?.map(Finding::from));
     Ok(found)
-}
-
-fn sets_machine_data(read: &ReadBack) -> bool {
-    read.machine_data.iter().any(|file| !file.data.is_empty())
 }
 
 /// The files of each sign proof, which are read together.

@@ -50,7 +50,7 @@ pub struct NodeTable {
     per_mm: f64,
     values_um: Vec<f64>,
     between: Between,
-    modulo: bool,
+    pub(crate) modulo: bool,
 }
 
 impl NodeTable {
@@ -79,11 +79,6 @@ impl NodeTable {
     pub(crate) fn repeating(mut self) -> NodeTable {
         self.modulo = true;
         self
-    }
-
-    /// Whether it repeats with its period.
-    pub(crate) fn is_repeating(&self) -> bool {
-        self.modulo
     }
 
     /// Position of the first node.

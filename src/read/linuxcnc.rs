@@ -46,7 +46,9 @@ impl Family for LinuxcncFacts {
 
     fn may_obey(&self, text: &str) -> bool {
         let is_hal = self.cross_terms.value == CrossTerms::Hal && files::is_hal(text);
-        is_hal || files::is_ini(text) || begins_with_a_row(text)
+        let begins_with_a_row =
+            || lines(text).next().is_some_and(|span| row(text, &span).is_some());
+        is_hal || files::is_ini(text) || begins_with_a_row()
     }
 
     fn is_whole(&self, text: &str) -> bool {
@@ -268,11 +270,6 @@ fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Pro
         return refuse(stops(stop));
     }
     if rows.is_empty() { refuse(no_row(stop)) } else { Ok(rows) }
-}
-
-/// Whether the first line is a row.
-fn begins_with_a_row(text: &str) -> bool {
-    lines(text).next().is_some_and(|span| row(text, &span).is_some())
 }
 
 /// The three numbers that a line begins with.

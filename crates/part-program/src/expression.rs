@@ -51,7 +51,7 @@ impl Lexer<'_> {
             levels.flat_map(|(level, signs)| signs.iter().map(move |sign| (*sign, level)));
         let first = self.peek()?;
         let is_own = |sign: &str, language: Language| {
-            sign.as_bytes()[0] == first && language.has_operator(sign)
+            sign.as_bytes()[0] == first && (language == Language::Iso || SIEMENS.contains(sign))
         };
         all.find(|(sign, _)| is_own(sign, self.language) && self.is_next(sign))
     }
@@ -221,10 +221,6 @@ const FUNCTIONS: &str = "SIN COS TAN ASIN ACOS SQRT ABS ROUND LN EXP";
 
 /// How a language writes expressions: `[#1+2]*SIN[30]`, `(R1+2)*SIN(30)`.
 impl Language {
-    pub(crate) fn has_operator(self, sign: &str) -> bool {
-        self == Language::Iso || SIEMENS.contains(sign)
-    }
-
     pub(crate) fn has_function(self, word: &str) -> bool {
         let own = if self == Language::Iso { "ATAN FIX FUP" } else { "POT TRUNC" };
         FUNCTIONS.split(' ').chain(own.split(' ')).any(|known| known == word)

@@ -19,7 +19,7 @@ use crate::quantity::{
     AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres,
     PerAxis, Rotation,
 };
-use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 use crate::read::emulator;
 use crate::text::{Problem, Problems};
 use crate::write::plan::{axis_names, axis_pairs, replaces_backlash};
@@ -202,7 +202,7 @@ fn old_correction(
             "bring the axes of the gantry to the same table first, or measure with the compensation switched off",
         );
     }
-    if all.iter().flat_map(Pair::tables).any(NodeTable::is_repeating) {
+    if all.iter().flat_map(Pair::tables).any(|table| table.modulo) {
         return refuse(
             format!(
                 "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
