@@ -44,7 +44,7 @@
 //! | [`inputs`] | the user's files: job, error table, readings, part programs |
 //! | [`machine`] | the errors of the machine: separation, model, figures by standard |
 //! | [`write`] | from the errors to the bytes for the control |
-//! | [`read`] | from the bytes to the correction of the control; imports only `quantity`, `text`, `control` |
+//! | [`read`] | from the bytes to the correction of the control; imports only `quantity`, `text`, `control` and the crate `part_program` |
 //! | [`volume`] | errors in the volume and along a tool path |
 //! | [`judge`] | forecast, verdict, and causes of a difference |
 //! | [`kit`] | the directory of files for a control, its history, its rehearsal |
@@ -52,20 +52,20 @@
 //! | [`visit`] | a job with everything that it names, on a disk or in memory |
 //! | [`cli`] | arguments, screens, disk, terminal: no domain logic |
 //!
-//! `write` and `read` share only the tables of `control`, so reading back finds a mistake in a template. Only
+//! `write` and `read` share only `control`, so reading back finds a mistake in a template. Only
 //! `cli` touches files and terminal.
 //!
 //! Where to find what:
 //! * **where a sign changes**: `impl Neg` of deviation and of correction in [`quantity`]; the sign of a control's
 //!   table: [`control::controller::TableSign`]
 //! * **where a limit of a control comes from**: `controllers/<id>.toml`, each fact with its source
-//! * **where values are rounded**: [`write::siemens`], [`write::fanuc`], once, on totals
-//! * **what a control does with a table**: `control.rs` in the folder of its family, [`read::siemens`] …
+//! * **where values are rounded**: in the family of [`write`], once, on totals
+//! * **what a control does with a table**: the `Emulator` of its family in [`read`]
 //! * **where a new control goes**: a profile alone; or, for a new family, `write/<family>`, `read/<family>`, `judge/<family>`,
 //!   its facts and tables in `control`, a profile, templates (CONTRIBUTING.md)
 //!
 //! Another program runs any command on files in memory with [`cli::answer`]; without the feature `disk` nothing here
-//! touches a disk or a terminal (a browser).
+//! touches a disk (a browser).
 //!
 //! The library serves the program and its tests; its interface may change in every version.
 //! docs/interface.md is the contract for other programs.

@@ -1,7 +1,7 @@
 //! The plan in a control's own numbers (rounded once, numbered, within its limits), and what to know of it.
 //!
 //! ```text
-//!   Plan ─→ Family (siemens, fanuc, declared) ─→ Compiled { tables, state, assumptions, preconditions }
+//!   Plan ─→ Family (siemens, fanuc, declared …) ─→ Compiled { tables, state, assumptions, preconditions }
 //! ```
 //! Deviations become table values through [`crate::control::controller::TableSign`], the only place where
 //! a profile's sense of a table enters. Rounding is half away from zero, on totals, so no point

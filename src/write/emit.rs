@@ -1,4 +1,4 @@
-//! Tables → template context → text. The only user of Tera.
+//! Tables → template context → text.
 //!
 //! A context holds finished strings only: numbers are rounded in [`crate::write::compensation`] and
 //! turned into text here, once, so a template decides about layout and nothing else. What a

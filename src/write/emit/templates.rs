@@ -1,4 +1,4 @@
-//! The templates of profiles; those of the program are parsed once. The only user of Tera beside its contexts.
+//! The templates of profiles; those of the program are parsed once. Only this room uses Tera.
 
 use crate::control::controller::Template;
 use crate::text::{LARGEST_FILE_MIB, Place, Problem};
