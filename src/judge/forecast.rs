@@ -20,7 +20,7 @@ pub(crate) use self::reasons::terms_words;
 pub use self::reasons::{Grounds, Miss, Of, RestsOn};
 pub use self::share::{JudgedRange, Machine};
 use self::share::{Range, within};
-pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm};
+pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm, words};
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::judge::field::Field;

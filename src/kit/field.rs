@@ -18,7 +18,7 @@ use crate::judge::active::Origin;
 use crate::judge::conformity::Verdict;
 use crate::judge::family::{Before, ChangedBy, Old, family};
 use crate::judge::field::{Field, Pair};
-use crate::judge::forecast::Miss;
+use crate::judge::forecast::{self, Miss};
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
 use crate::kit::inputs::{Asked, Inputs, cannot_emulate, remarks};
 use crate::kit::loaded::{Made, as_read};
@@ -158,7 +158,7 @@ fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
     Paragraph {
         text: format!(
             "Verdict of the forecast against the acceptance of the job, {}: **{}**.",
-            made.forecast.range_words(),
+            forecast::words(&made.forecast.ranges),
             made.verdict.word()
         ),
         items: worst.chain(more).collect(),

@@ -152,8 +152,8 @@ fn measured(
     measurement.overrun = over;
     let mut campaign = simulated::campaign(&measurement, lines);
     campaign.stated = job.measurement.uncertainty;
-    // An axis that is measured by itself is measured in both directions at every target.
-    let u_um = std::f64::consts::SQRT_2 * row.noise.0 / f64::from(planned.variant.run.runs).sqrt();
+    // An axis that is measured by itself is measured in five runs in both directions at every target.
+    let u_um = (2.0 / 5.0_f64).sqrt() * row.noise.0;
     for axis in &planned.variant.linear {
         let mut of = |_| Estimate { um: u_um * normal(random), u_um: Some(u_um) };
         campaign.reversals[*axis] = Some((0..=row.steps).map(&mut of).collect());

@@ -170,11 +170,6 @@ impl Forecast {
         parts.into_iter().flatten().collect()
     }
 
-    /// On which part of the machine the verdict rests, e.g. `over the whole travel`.
-    pub(crate) fn range_words(&self) -> String {
-        share::words(&self.ranges)
-    }
-
     /// What no figure holds because an axis was not measured both ways; `None` = all were.
     fn directions(&self) -> Option<RestsOn> {
         let without = self.terms.iter().filter(|t| t.one_way.is_some());

@@ -137,7 +137,7 @@ pub(crate) fn is_whole_travel(ranges: &[JudgedRange]) -> bool {
 }
 
 /// On which part of the machine a verdict rests, for its line.
-pub(super) fn words(ranges: &[JudgedRange]) -> String {
+pub(crate) fn words(ranges: &[JudgedRange]) -> String {
     let gap = format!(", target spacing up to {} mm", Figure(widest_gap_mm(ranges)).trimmed(3));
     if is_whole_travel(ranges) {
         return format!("over the whole travel{gap}");

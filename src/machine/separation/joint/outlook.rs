@@ -1,7 +1,7 @@
 //! What a measurement after loading will say, before it is made: visits are drawn, each is judged as `--after` does.
 //!
 //! ```text
-//!   left    −e of the measurement that the tables are made from: they carry its errors, and leave nothing else;
+//!   left    −e of the measurement that the tables are made from, as they hold it: they leave nothing else;
 //!           or what was found, v, with another draw of what is replaced of its error e₀:  λ v + √(λ q) e₀
 //!           q = 1, or 1 − Σ u²/Σ u₀² where the readings stay    λ = 1 − q Σ u₀²/Σ v² of each curve, at least 1 − q/2:
 //!           the tables carry the errors of a measurement like it
@@ -126,24 +126,38 @@ impl Table<'_> {
         each.collect()
     }
 
-    /// What tables made from another one hold of its values (or their u²) for each of these curves: with two tables each
-    /// direction its own, else both their mean, zero at the reference; 0 of what it does not hold.
-    fn carried(&self, job: &Job, other: &Table<'_>, values: &[f64]) -> Vec<f64> {
+    /// Values of another table for each of these curves; 0 of what it does not hold.
+    fn carried(&self, other: &Table<'_>, values: &[f64]) -> Vec<f64> {
         let of = |curve: &TableCurve| {
-            let policy = job.compensation.backlash[curve.term.along];
-            let is_way = |own: &TableCurve| match policy {
-                Some(BacklashPolicy::TwoTables) => own.way.is_none_or(|_| own.way == curve.way),
-                _ => true,
-            };
+            let is_way = |own: &TableCurve| own.way.is_none_or(|_| own.way == curve.way);
             let is_same = |own: &TableCurve| own.term == curve.term && is_way(own);
-            let ways = other.curves.iter().enumerate().filter(|(_, own)| is_same(own));
-            let ways: Vec<&[f64]> = ways.map(|(index, _)| other.curve(values, index)).collect();
-            let mean = |place: usize| mean(ways.iter().map(|way| way[place]));
-            let held: Vec<f64> = (0..self.points()).map(mean).collect();
-            let zero = at(&held, curve.zero.1);
-            held.into_iter().map(move |um| um - zero)
+            let found = other.curves.iter().position(is_same);
+            found.map_or(vec![0.0; self.points()], |index| other.curve(values, index).to_vec())
         };
         self.curves.iter().flat_map(of).collect()
+    }
+
+    /// What tables made from these values hold for each curve, by the policy for the reversal: the curve itself (two
+    /// tables), else one curve for both directions, zero at the reference: that moving +, that of the reference
+    /// direction, or the mean, also where no policy is stated. The parameter beside the second leaves no error here.
+    fn tabulated(&self, job: &Job, values: &[f64]) -> Vec<f64> {
+        let of = |(index, curve): (usize, &TableCurve)| {
+            let way = match job.compensation.backlash[curve.term.along] {
+                Some(BacklashPolicy::TwoTables) => return self.curve(values, index).to_vec(),
+                Some(BacklashPolicy::ForwardOnly) => Some(Direction::Plus),
+                Some(BacklashPolicy::CurveAndParameter) => self.curves[curve.zero.0].way,
+                Some(BacklashPolicy::Mean) | None => None,
+            };
+            let is_way = |own: &TableCurve| way.is_none() || own.way.is_none() || own.way == way;
+            let is_held = |own: &TableCurve| own.term == curve.term && is_way(own);
+            let ways = self.curves.iter().enumerate().filter(|(_, own)| is_held(own));
+            let ways: Vec<&[f64]> = ways.map(|(index, _)| self.curve(values, index)).collect();
+            let of_place = |place: usize| mean(ways.iter().map(|way| way[place]));
+            let held: Vec<f64> = (0..self.points()).map(of_place).collect();
+            let zero = at(&held, curve.zero.1);
+            held.into_iter().map(|um| um - zero).collect::<Vec<f64>>()
+        };
+        self.curves.iter().enumerate().flat_map(of).collect()
     }
 
     fn outlook(
@@ -175,7 +189,7 @@ impl Table<'_> {
         let (noise, rest) = (self.variances(|v| v.noise), self.variances(|v| v.all - v.noise));
         let values = self.values(found.map(|found| found.0));
         let again = found.map_or(1.0, |found| found.2);
-        let u2_before = self.carried(job, former, &former.variances(|v| v.all));
+        let u2_before = self.carried(former, &former.variances(|v| v.all));
         let squares: Vec<f64> = values.iter().map(|um| um * um).collect();
         let points = self.points();
         // λ and √(λ q) of each curve.
@@ -197,8 +211,12 @@ impl Table<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let before = self.carried(job, former, &former.drawn(1.0, &mut random).0);
-            let angles = self.carried(job, former, &former.angles(visit, &measured));
+            let before = former.drawn(1.0, &mut random).0;
+            let before = match found {
+                Some(_) => self.carried(former, &before),
+                None => former.tabulated(job, &before),
+            };
+            let angles = self.carried(former, &former.angles(visit, &measured));
             let new = self.drawn(1.0, &mut random).0;
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| {
