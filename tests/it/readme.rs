@@ -32,6 +32,20 @@ fn the_readme_shows_what_the_main_job_prints() {
     assert_eq!(drawn, kept, "the picture of the README is what the program draws: NONIUS_UPDATE=1");
 }
 
+/// The contents of the book name each page once.
+#[test]
+fn the_contents_name_every_page() {
+    let folder = std::fs::read_dir(fixtures("../docs")).unwrap();
+    let names = folder.map(|file| file.unwrap().file_name().into_string().unwrap());
+    let mut pages: Vec<String> = names.filter(|name| name.ends_with(".md")).collect();
+    pages.retain(|name| name != "SUMMARY.md");
+    let contents = page("docs/SUMMARY.md");
+    let links = contents.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')'));
+    let mut listed: Vec<String> = links.map(str::to_string).collect();
+    [&mut pages, &mut listed].map(|names| names.sort());
+    assert_eq!(pages, listed);
+}
+
 /// Every command of docs/first-kit.md, as it is written there, in a copy of the folder that it names.
 #[test]
 fn the_first_kit_is_made_as_it_is_written() {
