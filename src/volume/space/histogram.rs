@@ -44,7 +44,7 @@ pub fn exact(vectors: &[Vector], bin_um: f64, threads: usize) -> Option<Vec<u64>
         return None;
     }
     let tallies = in_threads(&prepared(vectors, bin_um)?, threads);
-    let of_bin = |bin: usize| tallies.iter().map(|tally| tally.of(bin)).sum();
+    let of_bin = |bin: usize| tallies.iter().flat_map(|tally| tally[bin]).map(u64::from).sum();
     Some((0..=last).map(of_bin).collect())
 }
 
@@ -52,8 +52,8 @@ pub fn exact(vectors: &[Vector], bin_um: f64, threads: usize) -> Option<Vec<u64>
 ///
 /// With |coordinate| ≤ R bins a rounded coordinate is wrong by R·2⁻²⁴ at most, a distance by
 /// 2·√3 times that; differences, squares, sum and root add less than 6·2⁻²⁴ of a distance of at
-/// most 2·√3·R, the comparison with the edge another 2⁻²⁴. 40·R·2⁻²⁴ is more than all of it.
-pub(super) fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
+/// most 2·√3·R, the comparison with the edges another 2·2⁻²⁴. 40·R·2⁻²⁴ is more than all of it.
+fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
     let (low, high) = diameter::bounds(vectors)?;
     let largest = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max) / 2.0 / bin_um;
     #[expect(clippy::cast_possible_truncation, reason = "rough on purpose")]
@@ -68,10 +68,10 @@ pub(super) fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
 }
 
 /// Integers add up to the same sum however the work is divided.
-fn in_threads(cloud: &Cloud<'_>, threads: usize) -> Vec<Tally> {
+fn in_threads(cloud: &Cloud<'_>, threads: usize) -> Vec<Box<Tally>> {
     let work = |part: Range<usize>| {
-        let mut tally = Tally::new();
-        count(cloud, part, &mut tally);
+        let mut tally = Box::new([[0; COUNTERS]; 1 << 16]);
+        part.for_each(|one| count(cloud, one, &mut tally));
         tally
     };
     let mut parts = parts(cloud.exact.len(), threads.max(1)).into_iter();
@@ -102,53 +102,37 @@ fn parts(count: usize, threads: usize) -> Vec<Range<usize>> {
     parts
 }
 
-/// Pairs done together.
-const LANES: usize = 16;
+/// Pairs done together: their bins stay in registers.
+const LANES: usize = 8;
 
 /// Counters of a bin: neighbouring pairs often fall into the same bin, and one counter would
 /// have to wait for itself.
-const COUNTERS: usize = 8;
+const COUNTERS: usize = 2;
 
-/// Vectors that stay in the nearest cache while others pass.
-const BLOCK: usize = 2048;
+/// Bins at most.
+const BINS: usize = 4096;
 
-/// Bins at most. The last one takes what is not clear.
-pub(super) const BINS: usize = 4096;
-
-const UNCLEAR: u32 = 4095;
+/// Counters by the last 16 bits of a bin: the processor reads those alone as fast as the whole number.
+type Tally = [[u32; COUNTERS]; 1 << 16];
 
 /// Added to a number below 2²² in size, leaves its nearest integer in the last bits.
 const INTEGER: f32 = 12_582_912.0;
 
 /// Vectors for counting.
-pub(super) struct Cloud<'a> {
+struct Cloud<'a> {
     /// As they are.
-    pub(super) exact: &'a [Vector],
+    exact: &'a [Vector],
     /// In bins, from the middle: x, y, z.
-    pub(super) rough: [Vec<f32>; 3],
+    rough: [Vec<f32>; 3],
     /// Width of a bin, µm.
-    pub(super) bin_um: f64,
+    bin_um: f64,
     /// What a rough distance may be wrong by, in bins.
-    pub(super) doubt: f32,
-}
-
-/// Counts of bins, with a few counters for each.
-pub(super) struct Tally(Box<[[u32; COUNTERS]; BINS]>);
-
-impl Tally {
-    pub(super) fn new() -> Self {
-        Tally(Box::new([[0; COUNTERS]; BINS]))
-    }
-
-    /// Count of a bin.
-    pub(super) fn of(&self, bin: usize) -> u64 {
-        self.0[bin].iter().map(|count| u64::from(*count)).sum()
-    }
+    doubt: f32,
 }
 
 /// Bin of a distance, by the routine that decides.
 #[inline]
-pub(super) fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
+fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a quotient of lengths; the caller has bounded it"
@@ -157,71 +141,54 @@ pub(super) fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
     bin
 }
 
-/// Counts the pairs of the vectors `these` with all that follow them.
-pub(super) fn count(cloud: &Cloud<'_>, these: Range<usize>, tally: &mut Tally) {
-    let all = cloud.exact.len();
-    let mut block = these.start;
-    while block < all {
-        let end = all.min(block + BLOCK);
-        for one in these.start..these.end.min(end) {
-            count_block(cloud, one, block.max(one + 1)..end, tally);
-        }
-        block = end;
-    }
-}
-
-#[inline(always)]
-fn count_block(cloud: &Cloud<'_>, one: usize, others: Range<usize>, tally: &mut Tally) {
-    let lanes = |c: usize| cloud.rough[c][others.clone()].as_chunks::<LANES>().0;
+/// Counts the pairs of a vector with all that follow it.
+fn count(cloud: &Cloud<'_>, one: usize, tally: &mut Tally) {
+    let mut place = one + 1;
+    let lanes = |c: usize| cloud.rough[c][one + 1..].as_chunks().0;
+    let (xs, ys, zs) = (lanes(0), lanes(1), lanes(2));
     let from = [0, 1, 2].map(|c| cloud.rough[c][one]);
-    let mut place = others.start;
-    for ((x, y), z) in lanes(0).iter().zip(lanes(1)).zip(lanes(2)) {
-        let (bins, unclear) = rough_bins(from, [x, y, z], cloud.doubt);
-        for (lane, bin) in bins.iter().enumerate() {
-            tally.0[*bin as usize & (BINS - 1)][lane % COUNTERS] += 1;
+    for ((x, y), z) in xs.iter().zip(ys).zip(zs) {
+        let (bins, clear) = rough_bins(from, [x, y, z], cloud.doubt);
+        for (lane, bin) in bins.into_iter().enumerate() {
+            *counter(tally, bin, lane) += 1;
         }
-        if unclear {
-            count_unclear(cloud, one, place, &bins, tally);
+        if !clear {
+            correct(cloud, one, place, &bins, tally);
         }
         place += LANES;
     }
-    for other in place..others.end {
-        let bin = bin(&cloud.exact[one], &cloud.exact[other], cloud.bin_um);
-        tally.0[bin & (BINS - 1)][0] += 1;
+    for other in &cloud.exact[place..] {
+        tally[bin(&cloud.exact[one], other, cloud.bin_um)][0] += 1;
     }
 }
 
-/// Bins of a vector and 16 others; where a distance is near the edge of a bin, [`UNCLEAR`].
+#[inline(always)]
+fn counter(tally: &mut Tally, bin: u32, lane: usize) -> &mut u32 {
+    &mut tally[bin as usize % (1 << 16)][lane % COUNTERS]
+}
+
+/// Bins of a vector and some others; false where a distance is near the edge of its bin.
 #[inline(always)]
 fn rough_bins(from: [f32; 3], [x, y, z]: [&[f32; LANES]; 3], doubt: f32) -> ([u32; LANES], bool) {
-    let mut bins = [0; LANES];
-    let mut unclear = 0;
+    let (least, most) = (0.5 + doubt, 1.0 - doubt);
+    let (mut bins, mut clear) = ([0; LANES], true);
     for lane in 0..LANES {
         let (dx, dy, dz) = (x[lane] - from[0], y[lane] - from[1], z[lane] - from[2]);
-        let distance = (dx * dx + dy * dy + dz * dz).sqrt() - 0.5;
-        let low = ((distance - doubt) + INTEGER).to_bits();
-        let high = ((distance + doubt) + INTEGER).to_bits();
-        let edge = u32::from(low != high);
-        unclear |= edge;
-        bins[lane] = if edge == 0 { low.wrapping_sub(INTEGER.to_bits()) } else { UNCLEAR };
+        let distance = (dx * dx + dy * dy + dz * dz).sqrt();
+        let bin = (distance - least) + INTEGER;
+        clear &= distance - (bin - INTEGER) <= most;
+        bins[lane] = bin.to_bits();
     }
-    (bins, unclear != 0)
+    (bins, clear)
 }
 
 #[cold]
 #[inline(never)]
-fn count_unclear(
-    cloud: &Cloud<'_>,
-    one: usize,
-    place: usize,
-    bins: &[u32; LANES],
-    tally: &mut Tally,
-) {
+fn correct(cloud: &Cloud<'_>, one: usize, place: usize, bins: &[u32; LANES], tally: &mut Tally) {
     for (lane, rough) in bins.iter().enumerate() {
-        if *rough == UNCLEAR {
-            let bin = bin(&cloud.exact[one], &cloud.exact[place + lane], cloud.bin_um);
-            tally.0[bin & (BINS - 1)][lane % COUNTERS] += 1;
-        }
+        *counter(tally, *rough, lane) -= 1;
+        let bin = bin(&cloud.exact[one], &cloud.exact[place + lane], cloud.bin_um);
+        tally[bin][lane % COUNTERS] += 1;
     }
 }
 
