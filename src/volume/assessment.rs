@@ -15,7 +15,7 @@ use crate::volume::definitions::{Definitions, definitions};
 use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
 use crate::volume::space::histogram;
 use crate::volume::space::histogram::{Estimate, Tolerance, estimate, grouping};
-use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
+use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel, of_both};
 use serde::Serialize;
 
 /// What is asked of a volume beside its figures.
@@ -279,8 +279,9 @@ impl Grid {
             GridChoice::OwnNodes => (as_it_is.own_nodes(), others),
             GridChoice::Equal(counts) => (as_it_is.equal_nodes(counts), &[][..]),
         };
-        let nodes =
-            others.iter().fold(measured.clone(), |nodes, other| nodes.and(&other.own_nodes()));
+        let nodes = others
+            .iter()
+            .fold(measured.clone(), |nodes, other| of_both(&nodes, &other.own_nodes()));
         let counts = nodes.counts();
         if counts.x.saturating_mul(counts.y).saturating_mul(counts.z) > MOST_POINTS {
             return Err(Problem::new(format!(

@@ -3,6 +3,6 @@
 pub mod assessment;
 pub mod definitions;
 pub mod findings;
-pub mod space;
+pub use nonius_numerics::space;
 pub mod tool_path;
 pub mod volume_model;

@@ -22,6 +22,7 @@
 //!
 //! An error that was not measured is left out and *named* ([`VolumeModel::missing`]).
 
+pub(crate) use self::map::of_both;
 pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::{ERRORS, Missing};
 use crate::inputs::job::{Job, Levers, MachineAxis};

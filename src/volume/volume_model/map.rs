@@ -10,17 +10,9 @@ use crate::volume::space::grid_map::{AxisNode, GridMap, Node};
 /// The positions of each axis, mm, ascending.
 pub type Nodes = PerAxis<Vec<f64>>;
 
-impl Nodes {
-    /// Number of nodes of each axis.
-    pub fn counts(&self) -> PerAxis<usize> {
-        PerAxis::from_fn(|axis| self[axis].len())
-    }
-
-    /// The nodes of both.
-    #[must_use]
-    pub fn and(&self, other: &Nodes) -> Nodes {
-        PerAxis::from_fn(|axis| ascending(self[axis].iter().chain(&other[axis]).copied()))
-    }
+/// The nodes of both.
+pub(crate) fn of_both(one: &Nodes, other: &Nodes) -> Nodes {
+    PerAxis::from_fn(|axis| ascending(one[axis].iter().chain(&other[axis]).copied()))
 }
 
 fn ascending(nodes: impl Iterator<Item = f64>) -> Vec<f64> {

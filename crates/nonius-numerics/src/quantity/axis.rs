@@ -121,12 +121,12 @@ impl ErrorTerm {
     };
 
     /// The positioning error of an axis.
-    pub(crate) const fn positioning(axis: Axis) -> ErrorTerm {
+    pub const fn positioning(axis: Axis) -> ErrorTerm {
         ErrorTerm { of: axis, along: axis }
     }
 
     /// The other cross term of the same two axes.
-    pub(crate) const fn twin(self) -> ErrorTerm {
+    pub const fn twin(self) -> ErrorTerm {
         ErrorTerm { of: self.along, along: self.of }
     }
 
@@ -241,9 +241,16 @@ impl<T> IndexMut<Axis> for PerAxis<T> {
 
 impl<T: Copy> PerAxis<Option<T>> {
     /// The values of all axes, if there are three.
-    pub(crate) fn all(&self) -> Option<PerAxis<T>> {
+    pub fn all(&self) -> Option<PerAxis<T>> {
         let (x, y, z) = (self.x?, self.y?, self.z?);
         Some(PerAxis { x, y, z })
+    }
+}
+
+impl<T> PerAxis<Vec<T>> {
+    /// How many values each axis has.
+    pub fn counts(&self) -> PerAxis<usize> {
+        PerAxis::from_fn(|axis| self[axis].len())
     }
 }
 
@@ -251,7 +258,7 @@ impl PerAxis<f64> {
     /// The vector product a × b (right-handed).
     ///
     /// ```
-    /// use nonius::quantity::PerAxis;
+    /// use nonius_numerics::quantity::PerAxis;
     /// let (x, y) = (PerAxis { x: 1.0, y: 0.0, z: 0.0 }, PerAxis { x: 0.0, y: 1.0, z: 0.0 });
     /// assert_eq!(x.cross(y), PerAxis { x: 0.0, y: 0.0, z: 1.0 });
     /// ```

@@ -5,7 +5,7 @@
 //! [`Correction`] is what a control must add to the command. **The only place in the program
 //! where one turns into the other are the two `impl Neg` below**; every table
 //! value, forecast and report goes through it. Which of the two a *control's table* holds is a
-//! fact of its profile, see [`crate::control::controller::TableSign`].
+//! fact of its profile.
 
 use serde::Serialize;
 use std::fmt;
@@ -16,11 +16,11 @@ pub const MM_PER_INCH: f64 = 25.4;
 /// Micrometres in one millimetre.
 pub const UM_PER_MM: f64 = 1000.0;
 /// Microradians in one second of arc.
-pub(crate) const URAD_PER_ARCSEC: f64 = std::f64::consts::PI / 648_000.0 * 1e6;
+pub const URAD_PER_ARCSEC: f64 = std::f64::consts::PI / 648_000.0 * 1e6;
 /// Two computed positions nearer than this are one, mm: a picometre, what their rounding adds.
-pub(crate) const SAME_PLACE_MM: f64 = 1e-9;
+pub const SAME_PLACE_MM: f64 = 1e-9;
 /// A position nearer than this to one that a file states is at it, mm: the last digit that files hold.
-pub(crate) const AT_PLACE_MM: f64 = 1e-6;
+pub const AT_PLACE_MM: f64 = 1e-6;
 
 /// Powers of ten that `f64` holds exactly.
 const POWERS_OF_TEN: [f64; 23] = [
@@ -33,7 +33,7 @@ const POWERS_OF_TEN: [f64; 23] = [
 /// no negative power is exact.
 ///
 /// ```
-/// use nonius::quantity::power_of_ten;
+/// use nonius_numerics::quantity::power_of_ten;
 /// assert_eq!(12_000.0 / power_of_ten(3), 12.0);
 /// ```
 pub fn power_of_ten(exponent: u32) -> f64 {
@@ -43,13 +43,13 @@ pub fn power_of_ten(exponent: u32) -> f64 {
 }
 
 /// To so many decimals, half away from zero; a zero has no sign.
-pub(crate) fn rounded(number: f64, decimals: u32) -> f64 {
+pub fn rounded(number: f64, decimals: u32) -> f64 {
     let scale = power_of_ten(decimals);
     (number * scale).round() / scale + 0.0
 }
 
 /// A figure of a manifest or a document, to be read and the same everywhere: to 1e-6 of its unit.
-pub(crate) fn picometres(um: f64) -> f64 {
+pub fn picometres(um: f64) -> f64 {
     rounded(um, 6)
 }
 
@@ -59,7 +59,7 @@ pub fn larger(a: f64, b: f64) -> f64 {
 }
 
 /// Smallest and largest of some numbers; (∞, −∞) of none.
-pub(crate) fn ends(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+pub fn ends(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     numbers.fold(none, |(low, high), number| (low.min(number), high.max(number)))
 }
@@ -87,7 +87,7 @@ impl Squared for f64 {
 /// an exponent in place of up to 300 zeros. All else is as the formatter of numbers writes it.
 ///
 /// ```
-/// use nonius::quantity::Figure;
+/// use nonius_numerics::quantity::Figure;
 /// assert_eq!(format!("{:.3} {:+.1}", Figure(-0.0004), Figure(-0.04)), "0.000 +0.0");
 /// assert_eq!(format!("{:+.3} {}", Figure(-0.0006), Figure(-0.0)), "-0.001 0");
 /// assert_eq!(format!("{} {}", Figure(-0.0000002), Figure(5e-324)), "-0.0000002 5e-324");
@@ -97,7 +97,7 @@ pub struct Figure(pub f64);
 
 impl Figure {
     /// With so many decimals at most, at least one, without zeros at the end.
-    pub(crate) fn trimmed(self, decimals: usize) -> String {
+    pub fn trimmed(self, decimals: usize) -> String {
         let text = format!("{self:.decimals$}");
         text.trim_end_matches('0').trim_end_matches('.').to_string()
     }
@@ -141,7 +141,7 @@ impl Millimetres {
     }
 
     /// The number as a sentence shows it: to the micrometre, without the dust of binary fractions.
-    pub(crate) fn shown(self) -> f64 {
+    pub fn shown(self) -> f64 {
         rounded(self.0, 3)
     }
 }
@@ -165,12 +165,12 @@ impl Sub for Millimetres {
 ///
 /// Two deviations cannot be added by mistake:
 /// ```compile_fail
-/// use nonius::quantity::Deviation;
+/// use nonius_numerics::quantity::Deviation;
 /// let _ = Deviation::from_um(1.0) + Deviation::from_um(1.0);
 /// ```
 /// The difference of two deviations of one curve is a deviation again (re-zeroing):
 /// ```
-/// use nonius::quantity::Deviation;
+/// use nonius_numerics::quantity::Deviation;
 /// let zeroed = Deviation::from_um(3.0) - Deviation::from_um(1.0);
 /// assert_eq!(zeroed, Deviation::from_um(2.0));
 /// ```
@@ -248,7 +248,7 @@ impl Add<Correction> for Deviation {
 /// **The change of sign**: the correction that cancels a deviation, and back.
 ///
 /// ```
-/// use nonius::quantity::{Correction, Deviation};
+/// use nonius_numerics::quantity::{Correction, Deviation};
 /// assert_eq!(-Deviation::from_um(2.5), Correction::from_um(-2.5));
 /// ```
 impl Neg for Deviation {

@@ -40,8 +40,8 @@ impl Chain {
     /// Reads a chain: each of X, Y, Z once, `w` at any place, `t` at the end.
     ///
     /// ```
-    /// use nonius::quantity::Axis;
-    /// use nonius::quantity::Chain;
+    /// use nonius_numerics::quantity::Axis;
+    /// use nonius_numerics::quantity::Chain;
     /// let order = |text: &str| Chain::parse(text).map(Chain::order);
     /// assert_eq!(order("XYwZt"), Some([Axis::Y, Axis::X, Axis::Z]));
     /// assert_eq!(order("XYZwt"), Some([Axis::Z, Axis::Y, Axis::X]));

@@ -50,7 +50,7 @@ impl ErrorCurve {
     /// limits positions strictly ascending, all numbers finite; the caller has checked this
     ///
     /// ```
-    /// use nonius::quantity::{Deviation, ErrorCurve, Interpolation, Millimetres};
+    /// use nonius_numerics::quantity::{Deviation, ErrorCurve, Interpolation, Millimetres};
     /// let curve = ErrorCurve::through(
     ///     &[0.0, 100.0].map(Millimetres::new),
     ///     &[0.0, 4.0].map(Deviation::from_um),
@@ -93,7 +93,7 @@ impl ErrorCurve {
     }
 
     /// First and last measured position, mm.
-    pub(crate) fn measured_range(&self) -> (Millimetres, Millimetres) {
+    pub fn measured_range(&self) -> (Millimetres, Millimetres) {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
 
@@ -110,7 +110,7 @@ impl ErrorCurve {
 
     /// The curve shifted so that it is zero at `reference`: d(x) − d(reference).
     #[must_use]
-    pub(crate) fn rezeroed_at(&self, reference: Millimetres) -> ErrorCurve {
+    pub fn rezeroed_at(&self, reference: Millimetres) -> ErrorCurve {
         let offset = self.um_at(reference.mm());
         self.adding(|_| -offset, 0.0)
     }
@@ -121,7 +121,7 @@ impl ErrorCurve {
     /// sign   positive φ: the deviation grows with the coordinate
     /// limits the line acts inside the measured range; outside, the new end values are held
     #[must_use]
-    pub(crate) fn plus_slope(&self, um_per_m: f64, zero: Millimetres) -> ErrorCurve {
+    pub fn plus_slope(&self, um_per_m: f64, zero: Millimetres) -> ErrorCurve {
         let slope = um_per_m / MM_PER_M;
         self.adding(|x| slope * (x - zero.mm()), slope)
     }
@@ -131,7 +131,7 @@ impl ErrorCurve {
     /// shape  knots of both curves inside the overlap of the measured ranges; exact
     /// limits `None` where the ranges have no point in common
     #[must_use]
-    pub(crate) fn mean_with(&self, other: &ErrorCurve) -> Option<ErrorCurve> {
+    pub fn mean_with(&self, other: &ErrorCurve) -> Option<ErrorCurve> {
         self.combined(other, 0.5, 0.5)
     }
 
@@ -160,7 +160,7 @@ impl ErrorCurve {
     /// The slope of the straight line through the two ends, µm/m; of one point, 0.
     ///
     /// sign   positive: the deviation grows with the coordinate (the axis is long)
-    pub(crate) fn end_point_slope_um_per_m(&self) -> f64 {
+    pub fn end_point_slope_um_per_m(&self) -> f64 {
         let (from, to) = self.measured_range();
         let length = (to - from).mm();
         if length <= 0.0 {
@@ -179,7 +179,7 @@ impl ErrorCurve {
     /// unit   µm
     /// sign   deviation + correction = residual, so the line is the emulated *correction*
     /// limits `from` ≤ `to`; with `from` = `to` both line values count
-    pub(crate) fn extremes_against_line(
+    pub fn extremes_against_line(
         &self,
         from: Millimetres,
         to: Millimetres,
@@ -201,14 +201,14 @@ impl ErrorCurve {
     }
 
     /// The largest absolute value over a stretch, µm, exactly; `from` ≤ `to`.
-    pub(crate) fn largest_magnitude(&self, from: Millimetres, to: Millimetres) -> f64 {
+    pub fn largest_magnitude(&self, from: Millimetres, to: Millimetres) -> f64 {
         let (low, high) = self.extremes_against_line(from, to, 0.0, 0.0);
         high.abs().max(low.abs())
     }
 
     /// Calls `visit(x, d(x))` at every place in [from, to] where d(x) + slope·x (µm, mm) can have
     /// an extreme: ends, knots, zeros of the derivative. In ascending order of x.
-    pub(crate) fn visit_candidates(
+    pub fn visit_candidates(
         &self,
         from: f64,
         to: f64,
@@ -239,7 +239,7 @@ impl ErrorCurve {
     }
 
     /// Whether it runs straight between its knots, to within rounding.
-    pub(crate) fn is_straight(&self) -> bool {
+    pub fn is_straight(&self) -> bool {
         let spans = self.knots.windows(2).map(|pair| (pair[1] - pair[0]).mm());
         self.pieces.iter().zip(spans).all(|([um, _, square, cube], mm)| {
             let bent = (square.abs() + cube.abs() * mm) * mm * mm;
@@ -248,7 +248,7 @@ impl ErrorCurve {
     }
 
     /// The knots strictly between two positions (mm).
-    pub(crate) fn knots_between(&self, from: f64, to: f64) -> &[Millimetres] {
+    pub fn knots_between(&self, from: f64, to: f64) -> &[Millimetres] {
         let start = self.knots.partition_point(|knot| knot.mm() <= from);
         let end = self.knots.partition_point(|knot| knot.mm() < to);
         &self.knots[start..end.max(start)]
@@ -256,7 +256,7 @@ impl ErrorCurve {
 
     /// The deviation in plain numbers: mm to µm.
     #[inline]
-    pub(crate) fn um_at(&self, x: f64) -> f64 {
+    pub fn um_at(&self, x: f64) -> f64 {
         self.piece_at(x).map_or(self.last, |(piece, s)| value_of(piece, s.max(0.0)))
     }
 

@@ -5,7 +5,7 @@ mod chain;
 mod curve;
 mod diagonal;
 mod fit;
-pub(crate) mod pitch;
+pub mod pitch;
 mod plane;
 mod units;
 
@@ -16,10 +16,7 @@ pub use self::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 pub use self::fit::{Fit, Nodes, residual, table_values};
 pub use self::pitch::USUAL_MM;
 pub use self::plane::{PerPlane, Plane};
-pub(crate) use self::units::{
-    AT_PLACE_MM, SAME_PLACE_MM, URAD_PER_ARCSEC, ends, picometres, rounded,
-};
 pub use self::units::{
-    Correction, Deviation, Figure, MM_PER_INCH, Millimetres, Squared, UM_PER_MM, larger,
-    power_of_ten, smaller,
+    AT_PLACE_MM, Correction, Deviation, Figure, MM_PER_INCH, Millimetres, SAME_PLACE_MM, Squared,
+    UM_PER_MM, URAD_PER_ARCSEC, ends, larger, picometres, power_of_ten, rounded, smaller,
 };

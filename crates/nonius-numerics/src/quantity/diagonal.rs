@@ -195,7 +195,7 @@ impl Volume {
     }
 
     /// Number of the last node of a run; the first is 0.
-    pub(crate) const fn last_node(&self, kind: PathKind) -> usize {
+    pub const fn last_node(&self, kind: PathKind) -> usize {
         match kind {
             PathKind::Step => 3 * self.steps,
             PathKind::Straight => self.steps,
@@ -208,7 +208,7 @@ impl Volume {
     }
 
     /// Number of steps that an axis has made at a node of a forward run.
-    pub(crate) fn steps_made(&self, kind: PathKind, node: usize, axis: Axis) -> usize {
+    pub fn steps_made(&self, kind: PathKind, node: usize, axis: Axis) -> usize {
         match kind {
             PathKind::Straight => node,
             PathKind::Step => {
@@ -220,23 +220,12 @@ impl Volume {
     }
 
     /// Distance of an axis from the start corner's coordinate at a node, mm, 0 … size.
-    pub(crate) fn inside_mm(
-        &self,
-        diagonal: Diagonal,
-        kind: PathKind,
-        node: usize,
-    ) -> PerAxis<f64> {
+    pub fn inside_mm(&self, diagonal: Diagonal, kind: PathKind, node: usize) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| self.along_mm(axis, self.end_at(diagonal, kind, node, axis)))
     }
 
     /// The interval end that an axis stands at, lowest first.
-    pub(crate) fn end_at(
-        &self,
-        diagonal: Diagonal,
-        kind: PathKind,
-        node: usize,
-        axis: Axis,
-    ) -> usize {
+    pub fn end_at(&self, diagonal: Diagonal, kind: PathKind, node: usize, axis: Axis) -> usize {
         let made = self.steps_made(kind, node, axis);
         match diagonal.forward(axis) {
             Direction::Plus => made,
@@ -268,7 +257,7 @@ impl Volume {
     }
 
     /// The node at which the axis has just made its step with running number `step`.
-    pub(crate) fn node_after(&self, axis: Axis, step: usize) -> usize {
+    pub fn node_after(&self, axis: Axis, step: usize) -> usize {
         let turn = self.order.iter().position(|other| *other == axis);
         3 * step + turn.unwrap_or(0) + 1
     }

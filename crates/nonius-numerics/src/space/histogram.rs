@@ -9,9 +9,9 @@
 //! is computed again by [`square`](super::pair::square). So the counts do not depend on the
 //! processor.
 
-use crate::volume::space::grid_map::{GridMap, Node, Vector, node};
-use crate::volume::space::pair::{Ends, Longest, Point, dot, square};
-use crate::volume::space::{diameter, pair};
+use crate::space::grid_map::{GridMap, Node, Vector, node};
+use crate::space::pair::{Ends, Longest, Point, dot, square};
+use crate::space::{diameter, pair};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;

@@ -14,7 +14,7 @@ const PHASES: f64 = 5.0;
 const DIGIT_MM: f64 = 0.1;
 
 /// Which of [`USUAL_MM`] have all these places at one phase, so that an error of this pitch is the same at each.
-pub(crate) fn unseen(places: &[Millimetres]) -> [bool; USUAL_MM.len()] {
+pub fn unseen(places: &[Millimetres]) -> [bool; USUAL_MM.len()] {
     let is_at_one = |pitch: f64| {
         let turns = |pair: &[Millimetres]| (pair[1] - pair[0]).mm() / pitch;
         places.windows(2).map(turns).all(|turns| (turns - turns.round()).abs() < SAME_PHASE)
@@ -23,7 +23,7 @@ pub(crate) fn unseen(places: &[Millimetres]) -> [bool; USUAL_MM.len()] {
 }
 
 /// How many of the usual pitches so many equal steps show at five phases or more.
-pub(crate) fn seen(step_mm: f64, steps: u32) -> usize {
+pub fn seen(step_mm: f64, steps: u32) -> usize {
     let has_all = |pitch: f64| {
         let turns = (0..=steps).map(|k| f64::from(k) * step_mm / pitch + ROUNDING);
         let places = turns.map(|turns| PHASES * turns.fract());
@@ -34,7 +34,7 @@ pub(crate) fn seen(step_mm: f64, steps: u32) -> usize {
 }
 
 /// The longest step between two lengths, mm, that shows the most pitches; whole tenths of a millimetre.
-pub(crate) fn step_mm(shortest: f64, longest: f64, steps: u32) -> f64 {
+pub fn step_mm(shortest: f64, longest: f64, steps: u32) -> f64 {
     let most = (longest / DIGIT_MM + ROUNDING).floor();
     let lengths = std::iter::successors(Some(most), |digits| Some(digits - 1.0));
     let lengths = lengths.take_while(|digits| *digits >= (shortest / DIGIT_MM).min(most));

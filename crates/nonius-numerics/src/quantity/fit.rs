@@ -50,7 +50,7 @@ pub enum Fit {
 ///        range its ends are held and count like measured values
 ///
 /// ```
-/// use nonius::quantity::{
+/// use nonius_numerics::quantity::{
 ///     Deviation, ErrorCurve, Fit, Interpolation, Millimetres, Nodes, residual, table_values,
 /// };
 /// let curve = ErrorCurve::through(

@@ -74,19 +74,19 @@ pub(super) fn room(size_um: f64) -> f64 {
 
 /// The difference p − q.
 #[inline(always)]
-pub(crate) fn minus(p: &Vector, q: &Vector) -> Vector {
+pub fn minus(p: &Vector, q: &Vector) -> Vector {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
 /// Vector product, right-handed.
 #[inline(always)]
-pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
+pub fn cross(a: &Vector, b: &Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Scalar product.
 #[inline(always)]
-pub(crate) fn dot(d: &Vector, p: &Vector) -> f64 {
+pub fn dot(d: &Vector, p: &Vector) -> f64 {
     (d[0] * p[0] + d[1] * p[1]) + d[2] * p[2]
 }
 

@@ -11,11 +11,11 @@
 //! at its best place and 641 µm at its worst. So the map is given, with its extremes and the
 //! corner.
 
-use crate::volume::space::grid_map;
-use crate::volume::space::grid_map::{
+use crate::space::grid_map;
+use crate::space::grid_map::{
     ARM, BY_SECOND, BY_THIRD, GridMap, Interval, Node, ROLL, Row, Vector, Window, last_row, tree,
 };
-use crate::volume::space::pair::{
+use crate::space::pair::{
     DirectionCell, Ends, Frame, Longest, Point, dot, minus, room, search, square, unit,
 };
 

@@ -30,13 +30,13 @@ impl Plane {
 
     /// The cross term that carries the squareness in the X-primary frame, and to which a stated one is added: EXY, EXZ,
     /// EYZ.
-    pub(crate) const fn carrier(self) -> ErrorTerm {
+    pub const fn carrier(self) -> ErrorTerm {
         let (of, along) = self.axes();
         ErrorTerm { of, along }
     }
 
     /// Its two cross terms, the carrier first.
-    pub(crate) const fn terms(self) -> [ErrorTerm; 2] {
+    pub const fn terms(self) -> [ErrorTerm; 2] {
         [self.carrier(), self.carrier().twin()]
     }
 }
@@ -47,7 +47,7 @@ pub struct PerPlane<T>([T; 3]);
 
 impl<T> PerPlane<T> {
     /// The value of each plane from a function of the plane.
-    pub(crate) fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
+    pub fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
         PerPlane(Plane::ALL.map(of))
     }
 }

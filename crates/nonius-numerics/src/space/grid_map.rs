@@ -144,7 +144,7 @@ impl GridMap {
     }
 
     /// Values given as x, y, z in the order of the chain.
-    pub(crate) fn along_chain<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
+    pub fn along_chain<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
         let mut roles = xyz;
         for (component, role) in self.place.into_iter().enumerate() {
             roles[role] = xyz[component];
