@@ -38,7 +38,7 @@
 //!
 //! | room | what it is |
 //! | --- | --- |
-//! | [`quantity`] | axes, units, signs, positions, curves |
+//! | [`quantity`] | axes, units, signs, positions, curves: the crate `nonius_numerics` |
 //! | [`text`] | reads files; reports problems with file, line and column |
 //! | [`control`] | facts about a control, and the tables in its memory |
 //! | [`inputs`] | the user's files: job, error table, readings, part programs |
