@@ -14,7 +14,7 @@
 //! left out of both; with `two-tables` and `curve-and-parameter`, which set it, it is part of the
 //! old correction and has to be known.
 //!
-//! What acted is one thing, what a read-out holds another: [`Held`] keeps all of it for the way
+//! What acted is one thing, what a read-out holds another: [`Origin::ReadOut`] keeps all of it for the way
 //! back, with the tables that were switched off and the parameters that no table needs.
 
 mod kit;
@@ -24,8 +24,8 @@ mod reading;
 pub use self::kit::{Fault, faults, from_kit};
 pub(crate) use self::kit::{listed, named_axis};
 pub(crate) use self::machine::uncompensated;
-pub use self::reading::{ActiveControl, Held, Origin, Others, ReadOutFor, without_tables};
-pub(crate) use self::reading::{Found, NamedBacklash, ReadOutReader};
+pub(crate) use self::reading::ReadOutReader;
+pub use self::reading::{ActiveControl, Origin, Others, ReadOutFor, without_tables};
 use self::reading::{backlash_of, problem, stated};
 use crate::control::claims::Precondition;
 use crate::control::controller::{Profile, Role};
@@ -50,43 +50,24 @@ pub fn from_read_out(
     files: Vec<(String, Vec<u8>)>,
     purpose: ReadOutFor,
 ) -> Result<ActiveControl, Problems> {
-    let mut reading = ReadOutReader {
-        job,
-        texts: &[],
-        names: axis_names(job, profile)?,
-        purpose,
-        others: Others::default(),
-        assumptions: Vec::new(),
-        findings: Vec::new(),
-    };
+    let names = axis_names(job, profile)?;
+    let active = ActiveControl::bare(job, profile, path, PerAxis::default())?;
+    let mut reading = ReadOutReader { job, texts: &[], names, purpose, active };
     let texts = texts(profile, path, &files, &mut reading)?;
     let texts: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (*name, &**text)).collect();
     reading.texts = &texts;
-    let found = family(&profile.dialect).read_out(&mut reading)?;
-    let own = job.compensation.control_unit;
-    if let Some(unit) = found.unit.filter(|unit| *unit != own) {
-        let (unit, own) = (unit.word(), own.word());
-        reading.tell(InControl::ControlUnit { unit, own });
-    }
+    family(&profile.dialect).read_out(&mut reading)?;
     let mut problems = Problems::none();
-    let backlash_um = acted(&mut reading, profile, &found, &mut problems);
+    let backlash_um = acted(&mut reading, profile, &mut problems);
     refuse(&reading, &mut problems);
-    let state = stated(job, profile, &backlash_um)?;
-    let origin = Origin::ReadOut(found.held);
-    problems.or_ok(ActiveControl {
-        held_backlash: Axis::ALL.map(|axis| found.backlash[axis].clone()).concat(),
-        others: reading.others,
-        assumptions: reading.assumptions,
-        findings: reading.findings,
-        files,
-        ..ActiveControl::new(path, origin, found.tables, state, backlash_um)
-    })
+    let (state, active) = (stated(job, profile, &backlash_um)?, reading.active);
+    problems.or_ok(ActiveControl { files, state, backlash_um, ..active })
 }
 
 /// Old tables that contradict the job, or beside which something acts, cannot be built on.
 fn refuse(reading: &ReadOutReader<'_>, problems: &mut Problems) {
     let is_grave = |severity| severity > Severity::Note && !reading.judges();
-    for finding in reading.findings.iter().filter(|f| is_grave(f.severity())) {
+    for finding in reading.active.findings.iter().filter(|f| is_grave(f.severity())) {
         let help = finding.kind().map_or("", InControl::help);
         problems.push(problem(reading.job, finding.to_string(), help));
     }
@@ -96,14 +77,13 @@ fn refuse(reading: &ReadOutReader<'_>, problems: &mut Problems) {
 fn acted(
     reading: &mut ReadOutReader<'_>,
     profile: &Profile,
-    found: &Found,
     problems: &mut Problems,
 ) -> PerAxis<Option<f64>> {
     if reading.judges() {
         return PerAxis::default();
     }
     let parameter = profile.family.backlash_parameter;
-    let one = PerAxis::from_fn(|axis| one_backlash(reading, &found.backlash[axis], parameter));
+    let one = PerAxis::from_fn(|axis| one_backlash(reading, axis, parameter));
     backlash_of(reading.job, &one, problems)
 }
 
@@ -111,9 +91,11 @@ fn acted(
 /// and what only some of them hold does not tell the others'.
 fn one_backlash(
     reading: &mut ReadOutReader<'_>,
-    held: &NamedBacklash,
+    axis: Axis,
     parameter: &'static str,
 ) -> Option<f64> {
+    let mut held = reading.active.held_backlash.clone();
+    held.retain(|(name, _)| reading.names[axis].contains(name));
     let mut values = held.iter().filter_map(|(_, um)| *um);
     let first = values.next()?;
     if values.any(|um| (um - first).abs() > 0.0) {

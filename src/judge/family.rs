@@ -5,21 +5,20 @@
 use crate::control::controller::{Dialect, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
-use crate::judge::active::{ActiveControl, Found, Held, Origin, Others, ReadOutReader};
+use crate::judge::active::{ActiveControl, Origin, Others, ReadOutReader};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::Entries;
 use crate::judge::findings::{Difference, InControl, InSum};
 use crate::quantity::Axis;
 use crate::read::ReadBack;
-use crate::read::siemens::MachineDatum;
 use crate::text::{Finding, Problems, grouped};
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, Task};
 
 /// A family of controls, on the side of what was read out.
 pub(crate) trait Family {
-    /// What files of the control hold, and what of it acts on the job's axes.
-    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems>;
+    /// Takes what files of the control hold, and what of it acts on the job's axes.
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<(), Problems>;
 
     /// New tables at places of others, and what to do.
     fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
@@ -104,7 +103,8 @@ pub(crate) struct Before<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) compiled: &'a Compiled,
     pub(crate) active: &'a ActiveControl,
-    pub(crate) held: &'a Held,
+    /// What the control held.
+    pub(crate) held: &'a Tables,
 }
 
 impl<'a> Before<'a> {
@@ -130,15 +130,14 @@ impl<'a> Before<'a> {
 
     /// The tables of the kit, those that the control holds and those that act.
     pub(super) const fn tables(&self) -> [&Tables; 3] {
-        [&self.compiled.tables, &self.held.tables, &self.active.tables]
+        [&self.compiled.tables, self.held, &self.active.tables]
     }
 }
 
 /// What the control held of all that the kit changes.
 pub(crate) struct Old {
+    /// Of Siemens with switches, backlash and weights.
     pub(crate) tables: Tables,
-    /// Switches, backlash and weights (Siemens).
-    pub(crate) data: Vec<MachineDatum>,
     /// What no file that was read out holds.
     pub(crate) unknown: Vec<Unknown>,
     /// Tables that keep the values of the kit, switched off: they were reserved without a grid.

@@ -6,7 +6,7 @@ use crate::control::controller::{FanucFacts, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey};
 use crate::inputs::job::Job;
-use crate::judge::active::{ActiveControl, Found, Others, ReadOutReader};
+use crate::judge::active::{ActiveControl, Others, ReadOutReader};
 use crate::judge::disagreement::{Entries, Entry, Item, Value};
 use crate::judge::family::{Before, ChangedBy, Family, Old, Side, unknown};
 use crate::judge::findings::{InControl, InSum};
@@ -14,7 +14,7 @@ use crate::text::Problems;
 use crate::write::plan::axis_names;
 
 impl Family for FanucFacts {
-    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
         read_out::read(reading, self)
     }
 
@@ -109,7 +109,7 @@ impl Family for FanucFacts {
     fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
         let wanted = before.compiled;
         let (state, tables) = (&wanted.state, wanted.tables.own());
-        let held = before.held.tables.own();
+        let held = before.held.own();
         let found = read_out::around(before.plan, state, tables, held);
         (found, read_out::absent(&state.axes, tables, held))
     }
@@ -145,12 +145,8 @@ impl Family for FanucFacts {
             }
         }
         lacking.sort_by(|a, b| a.0.cmp(&b.0));
-        Ok(Old {
-            tables: Tables::Fanuc(old),
-            data: Vec::new(),
-            unknown: unknown(lacking),
-            stays: Vec::new(),
-        })
+        let tables = Tables::Fanuc(old);
+        Ok(Old { tables, unknown: unknown(lacking), stays: Vec::new() })
     }
 }
 

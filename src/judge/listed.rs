@@ -4,7 +4,7 @@
 use crate::control::controller::{ControlUnit, DeclaredFacts, IsgFacts, LinuxcncFacts, Listed};
 use crate::control::table::isg::{Curve, IsgTables};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
-use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
+use crate::judge::active::ReadOutReader;
 use crate::judge::disagreement::{Entries, Entry, Item, Value};
 use crate::judge::family::{Before, Family, Old, Side};
 use crate::judge::findings::InControl;
@@ -15,7 +15,7 @@ use crate::read::linuxcnc::{Contents, Joint, read};
 use crate::text::Problems;
 
 impl Family for DeclaredFacts {
-    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
         let mut found = tables(reading.texts, self, true)?;
         let held = Tables::Listed(found.clone());
         // A new list takes the place of the whole old one: an old table of another axis would be lost, and is
@@ -23,7 +23,8 @@ impl Family for DeclaredFacts {
         if self.typed.is_none() || reading.judges() {
             self.tell_others(reading, &mut found);
         }
-        Ok(Found { tables: Tables::Listed(found), ..Found::all(held) })
+        reading.found(Tables::Listed(found), held);
+        Ok(())
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -103,21 +104,19 @@ fn take_others(reading: &ReadOutReader<'_>, found: &mut ListedTables) -> Vec<Lis
 // LinuxCNC: what was read out of it, against a job and against a kit.
 
 impl Family for LinuxcncFacts {
-    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
         let mut found = read(reading.texts, self)?;
-        reading.findings.append(&mut found.notes);
-        let held = Held::plain(Tables::Listed(found.tables.clone()));
+        reading.active.findings.append(&mut found.notes);
+        let held = Tables::Listed(found.tables.clone());
         check_homes(reading, &found);
         for table in take_others(reading, &mut found.tables) {
             let (what, axes) = (format!("the {}", self.table_name(&table)), "a joint");
             reading.tell(InControl::OfOthers { what, axes });
         }
-        Ok(Found {
-            backlash: PerAxis::from_fn(|axis| backlash(&reading.names[axis], reading, &found)),
-            tables: Tables::Listed(found.tables),
-            held,
-            unit: found.unit,
-        })
+        reading.active.held_backlash = reading.backlash(|_, name| backlash(name, reading, &found));
+        reading.check_unit(found.unit);
+        reading.found(Tables::Listed(found.tables), held);
+        Ok(())
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -148,17 +147,11 @@ fn unit(reading: &ReadOutReader<'_>, found: &Contents) -> ControlUnit {
     found.unit.unwrap_or(reading.job.compensation.control_unit)
 }
 
-/// BACKLASH of each joint of an axis, µm, as it acts: not beside a table.
-fn backlash(names: &[String], reading: &ReadOutReader<'_>, found: &Contents) -> NamedBacklash {
-    let um_per_unit = unit(reading, found).in_mm() * UM_PER_MM;
-    let of_joint = |name: &String| {
-        let joint = found.joints.get(&name.parse().ok()?)?;
-        let is_ignored = joint.comp_file.is_some();
-        let acts = joint.backlash.filter(|_| !is_ignored).unwrap_or(0.0);
-        Some(acts * um_per_unit)
-    };
-    let named = names.iter().map(|name| (name.clone(), of_joint(name)));
-    named.collect()
+/// BACKLASH of a joint, µm, as it acts: not beside a table.
+fn backlash(name: &str, reading: &ReadOutReader<'_>, found: &Contents) -> Option<f64> {
+    let joint = found.joints.get(&name.parse().ok()?)?;
+    let acts = joint.backlash.filter(|_| joint.comp_file.is_none()).unwrap_or(0.0);
+    Some(acts * (unit(reading, found).in_mm() * UM_PER_MM))
 }
 
 /// Where homing sets the position and in which direction, against the reference of the job: a table has to be zero there.
@@ -193,10 +186,11 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
 // ISG kernel: what was read out of it, against a job and against a kit.
 
 impl Family for IsgFacts {
-    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
         let (tables, findings) = isg::read(reading.texts)?;
-        reading.findings.extend(findings);
-        Ok(Found::all(Tables::Isg(tables)))
+        reading.active.findings.extend(findings);
+        reading.found(Tables::Isg(tables.clone()), Tables::Isg(tables));
+        Ok(())
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {

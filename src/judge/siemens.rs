@@ -4,26 +4,25 @@ mod machine_data;
 mod read_out;
 
 use self::machine_data::{
-    BACKLASH, CEC_LIMIT, CEC_ON, Datum, LEC_ON, TABLE_ON, WEIGHT, number, numbered, of_place,
-    switches, variable,
+    BACKLASH, CEC_LIMIT, CEC_ON, Datum, LEC_ON, TABLE_ON, WEIGHT, numbered, of_place, switches,
+    variable,
 };
 use crate::control::controller::SiemensFacts;
 use crate::control::table::Tables;
 use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
-use crate::judge::active::{Found, Others, ReadOutReader};
+use crate::judge::active::{Others, ReadOutReader};
 use crate::judge::disagreement::{Entries, Entry, Item, Value};
 use crate::judge::family::{Before, ChangedBy, Family, Old, Side, unknown};
 use crate::judge::findings::{Difference, InControl};
 use crate::quantity::Axis;
 use crate::read::ReadBack;
-use crate::read::siemens::datum;
 use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};
 
 impl Family for SiemensFacts {
-    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
         read_out::read(reading)
     }
 
@@ -93,24 +92,25 @@ impl Family for SiemensFacts {
     }
 
     fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
-        let (wanted, held) = (before.compiled, before.held);
-        let tables = wanted.tables.own();
-        let found = machine_data::cec_limits(held, tables, wanted.state.unit);
+        let [tables, held, _] = before.tables().map(Tables::own::<SiemensTables>);
+        let found = machine_data::cec_limits(held, tables, before.compiled.state.unit);
         (found, machine_data::not_held(tables, held))
     }
 
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>> {
         let [kit, held, acted] = before.tables().map(Tables::own::<SiemensTables>);
-        let (mut tables, mut missing, mut stays) = (Vec::new(), Vec::new(), Vec::new());
+        let mut old = SiemensTables::default();
+        let (mut missing, mut stays) = (Vec::new(), Vec::new());
         for table in &kit.tables {
             let name = table.place.name();
-            let held_at = |(of, index): &(Datum, String)| number(&before.held.data, *of, index);
-            let is_off = |switch| held_at(switch).is_some_and(|value| value <= 0.0);
+            let is_off = |(of, index): &(Datum, String)| {
+                held.number(*of, index).is_some_and(|value| value <= 0.0)
+            };
             match held.at(&table.place) {
                 Some(found) if found.values.iter().all(Option::is_some) => {
-                    tables.push(found.clone())
+                    old.tables.push(found.clone())
                 }
-                None if before.held.without_grid.contains(&table.place.to_string()) => {
+                None if held.reserved.contains(&table.place.to_string()) => {
                     // One that is off may keep the values of the kit.
                     match switches(table).iter().any(is_off) {
                         true => stays.push(name),
@@ -125,16 +125,15 @@ impl Family for SiemensFacts {
         if !missing.is_empty() {
             return Err(missing);
         }
-        let (mut data, mut lacking) = (Vec::new(), Vec::new());
+        let mut lacking = Vec::new();
         for (of, index, by) in changed(before, kit, acted) {
-            match datum(&before.held.data, &variable(of, &index)) {
-                Some(found) => data.push(found.clone()),
+            match held.datum(&variable(of, &index)) {
+                Some(found) => old.data.push(found.clone()),
                 None if by == Nobody => {}
                 None => lacking.push((format!("{} ${}", of.0, of.1), format!("[{index}]"), by)),
             }
         }
-        let tables = Tables::Siemens(SiemensTables { tables });
-        Ok(Old { tables, data, unknown: unknown(lacking), stays })
+        Ok(Old { tables: Tables::Siemens(old), unknown: unknown(lacking), stays })
     }
 }
 

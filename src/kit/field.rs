@@ -24,11 +24,10 @@ use crate::kit::inputs::{Asked, Inputs, cannot_emulate, remarks};
 use crate::kit::loaded::{Made, as_read};
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
 use crate::read::emulate::{Emulated, Emulator, Response};
-use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, emulator, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems, grouped};
 use crate::write::compensation::{Compiled, displayed, uses};
-use crate::write::emit::{self, Emitted, RenderedFile, Switch, Words};
+use crate::write::emit::{self, Emitted, RenderedFile, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
@@ -276,7 +275,7 @@ fn assumptions(compiled: &Compiled) -> Listed {
 // Rollback: exactly what was read out of the control, for all that the kit changes.
 //
 // ```text
-//   files read out ─→ Held ─┐
+//   files read out ─→ held ─┐
 //   what the kit overwrites ┴→ held? ─ all ──→ rollback files ─→ read back ─→ equal?
 //   what it switches,       │          part ─→ the same, the rest named: by hand
 //   what a precondition     │
@@ -339,7 +338,6 @@ impl Before<'_> {
             placements: &[],
             notice: Some("ROLLBACK: values as read out of the control before this kit"),
             as_read: true,
-            switches: old.data.iter().map(switch).collect(),
             ..Emitted::of_kit(self.task, self.compiled)
         };
         let files = emit::render_those(&emitted, |file| file.role == Role::Rollback)?;
@@ -361,20 +359,7 @@ impl Before<'_> {
 }
 
 fn is_same(old: &Old, read: &ReadBack) -> bool {
-    let data: Vec<&MachineDatum> = read.machine_data.iter().flat_map(|f| &f.data).collect();
-    read.tables == old.tables && read.unwritten.is_empty() && data.iter().copied().eq(&old.data)
-}
-
-fn switch(datum: &MachineDatum) -> Switch {
-    let (name, indices) = datum.variable.split_once('[').unwrap_or((&*datum.variable, ""));
-    Switch {
-        name: name.trim_start_matches('$').to_string(),
-        indices: indices.trim_end_matches(']').to_string(),
-        value: match &datum.value {
-            MachineValue::Number(number) => number.to_string(),
-            MachineValue::Text(text) => format!("({text})"),
-        },
-    }
+    read.tables == old.tables && read.unwritten.is_empty()
 }
 
 /// Movements below it are none, µm.

@@ -4,10 +4,10 @@
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Added, Dialect, Encoding, Example, Profile, Role};
 use crate::control::table::Tables;
+use crate::control::table::siemens::MachineDatum;
 use crate::quantity::{Direction, Figure, Millimetres};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::findings::ReadFinding;
-use crate::read::siemens::MachineDatum;
 use crate::text::{Finding, Problem, Problems, joined, shown};
 use std::borrow::Cow;
 

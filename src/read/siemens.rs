@@ -19,9 +19,9 @@ mod memory;
 
 mod statement;
 
+pub(crate) use self::contents::is_switch;
 use self::contents::{Concern, concern, header, is_archive, is_program, sections};
-pub use self::contents::{MachineDatum, MachineValue, SiemensContents, merge};
-pub(crate) use self::contents::{datum, is_switch};
+pub use self::contents::{SiemensContents, merge};
 use self::memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
 use self::statement::{BLANKS, Statement, check_characters, code_of, is_end, statement};
 use crate::control::control_state::ControlState;
@@ -46,16 +46,15 @@ impl Family for SiemensFacts {
         let read = |(name, text): &(&str, &str)| Reader::new(writer, name, text).strict();
         let contents = Problems::all(texts.iter().map(read))?;
         let data = texts.iter().zip(roles).zip(&contents).map(|(((path, _), role), own)| {
-            FileData { path: path.to_string(), role: *role, data: own.machine_data.clone() }
+            FileData { path: path.to_string(), role: *role, data: own.tables.data.clone() }
         });
         let machine_data = data.collect();
-        let merged = merge(contents)?;
-        Ok(ReadBack {
-            tables: Tables::Siemens(merged.tables),
-            notes: merged.notes,
-            unwritten: merged.unwritten,
-            machine_data,
-        })
+        let SiemensContents { mut tables, notes, unwritten, .. } = merge(contents)?;
+        tables.reserved.clear();
+        if !is_rollback {
+            tables.data.clear(); // its files switch on and off
+        }
+        Ok(ReadBack { tables: Tables::Siemens(tables), notes, unwritten, machine_data })
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {

@@ -35,25 +35,6 @@ macro_rules! seen {
 
 pub(crate) use seen;
 
-/// A machine or setting datum with its value, as found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Switch {
-    /// Name without `$`.
-    pub name: String,
-    /// What stands in brackets.
-    pub indices: String,
-    /// Its value.
-    pub value: String,
-}
-
-impl Switch {
-    /// What templates see of it.
-    pub(crate) fn seen(&self) -> Seen {
-        let Switch { name, indices, value } = self;
-        seen! { "name": name.as_str(), "indices": indices.as_str(), "value": value.as_str() }
-    }
-}
-
 /// A number with a fixed number of decimals, never `-0`. Where it is the nearest to so many last digits, and they are
 /// far from all that it can tell apart, they are its text: nothing has to be searched.
 #[allow(clippy::cast_possible_truncation, reason = "a whole number of up to 15 digits")]

@@ -6,7 +6,6 @@
 
 mod templates;
 
-pub use crate::write::control_text::Switch;
 pub(crate) use crate::write::family::Emitted;
 pub(crate) use templates::page;
 pub(super) use templates::text;

@@ -8,7 +8,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Compensation, Job};
 use crate::quantity::{Axis, Deviation, Direction, ErrorTerm, Millimetres, PerAxis, rounded};
 use crate::text::{Finding, Problems};
-use crate::write::control_text::{Seen, Switch};
+use crate::write::control_text::Seen;
 use crate::write::grid::{Grid, LengthDigit, as_number, whole};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
@@ -126,16 +126,13 @@ pub(crate) struct Emitted<'a> {
     pub(crate) notice: Option<&'static str>,
     /// Whether numbers keep the digits they were read with, also beyond those of the profile.
     pub(crate) as_read: bool,
-    /// Machine data that it restores (Siemens).
-    pub(crate) switches: Vec<Switch>,
 }
 
 impl<'a> Emitted<'a> {
     /// The kit itself.
     pub(crate) fn of_kit(task: Task<'a>, compiled: &'a Compiled) -> Self {
         let Compiled { tables, placements, .. } = compiled;
-        let (notice, switches) = (None, Vec::new());
-        Emitted { task, compiled, tables, placements, notice, as_read: false, switches }
+        Emitted { task, compiled, tables, placements, notice: None, as_read: false }
     }
 }
 

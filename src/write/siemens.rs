@@ -15,11 +15,13 @@ use self::parameters::{
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts};
 use crate::control::table::Tables;
-use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTables};
+use crate::control::table::siemens::{
+    MachineDatum, MachineValue, Place, SiemensGrid, SiemensTable, SiemensTables,
+};
 use crate::inputs::job::Compensation;
 use crate::quantity::{Deviation, ErrorTerm, power_of_ten};
 use crate::text::Problems;
-use crate::write::control_text::{Seen, Switch, fixed, seen, trimmed};
+use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
 use crate::write::grid::{Grid, LengthDigit};
 use crate::write::selection::TableStock;
@@ -132,7 +134,7 @@ impl Family for SiemensFacts {
             "controller_reference": task.reference_text(),
             "lec_at_reference": zero_but_for(task, tables.lec().filter_map(held)),
             "cec_at_reference": zero_but_for(task, tables.cec().filter_map(held)),
-            "switches": emitted.switches.iter().map(Switch::seen).collect::<Vec<Seen>>(),
+            "switches": tables.data.iter().map(datum).collect::<Vec<Seen>>(),
         }
     }
 
@@ -165,7 +167,7 @@ impl Family for SiemensFacts {
             let values = values(proof.task, self, &deviations, &table.place);
             SiemensTable { values, ..table.clone() }
         });
-        Some(Tables::Siemens(SiemensTables { tables: with_bump.collect() }))
+        Some(Tables::Siemens(SiemensTables::of(with_bump.collect())))
     }
 }
 
@@ -281,6 +283,20 @@ fn of_table(table: &SiemensTable, placements: &[Placement], digits: Digits<'_>) 
             "memory": memory,
             "points": points,
         },
+    }
+}
+
+/// A machine or setting datum that a rollback restores: name without `$`, what stands in brackets, value.
+fn datum(datum: &MachineDatum) -> Seen {
+    let (name, indices) = datum.variable.split_once('[').unwrap_or((&*datum.variable, ""));
+    let value = match &datum.value {
+        MachineValue::Number(number) => number.to_string(),
+        MachineValue::Text(text) => format!("({text})"),
+    };
+    seen! {
+        "name": name.trim_start_matches('$'),
+        "indices": indices.trim_end_matches(']'),
+        "value": value,
     }
 }
 

@@ -176,21 +176,80 @@ impl SiemensTable {
     }
 }
 
-/// All tables of a kit.
+/// One `$MA_`, `$MN_` or `$SN_` assignment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineDatum {
+    /// As files write it: `$MA_BACKLASH[0,AX1]`; whole numbers without leading zeros, names in upper case.
+    pub variable: String,
+    /// The value.
+    pub value: MachineValue,
+}
+
+/// Value of a machine or setting datum, in the control's own unit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MachineValue {
+    /// A number; `TRUE` is 1 and `FALSE` is 0.
+    Number(f64),
+    /// A name in parentheses or quotes, upper case.
+    Text(String),
+}
+
+impl MachineValue {
+    /// The number.
+    pub(crate) fn number(&self) -> Option<f64> {
+        match self {
+            MachineValue::Number(number) => Some(*number),
+            MachineValue::Text(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for MachineValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MachineValue::Number(number) => write!(f, "{number}"),
+            MachineValue::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+/// The compensation in a control: its tables, and what stands beside them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SiemensTables {
     /// Ascending by place.
     pub tables: Vec<SiemensTable>,
+    /// Machine and setting data in the order of their first assignment, with their last value; none of a kit, which
+    /// switches on and off.
+    pub data: Vec<MachineDatum>,
+    /// Tables that the control reserves without a usable grid, such as `AN_CEC[3]`.
+    pub reserved: Vec<String>,
 }
 
 impl SiemensTables {
     /// No table.
-    pub(crate) const NONE: SiemensTables = SiemensTables { tables: Vec::new() };
+    pub(crate) const NONE: SiemensTables =
+        SiemensTables { tables: Vec::new(), data: Vec::new(), reserved: Vec::new() };
 
     /// Tables in any order.
     pub fn of(mut tables: Vec<SiemensTable>) -> SiemensTables {
         tables.sort_by(|a, b| a.place.cmp(&b.place));
-        SiemensTables { tables }
+        SiemensTables { tables, ..SiemensTables::NONE }
+    }
+
+    /// What is held of a variable.
+    pub(crate) fn datum(&self, variable: &str) -> Option<&MachineDatum> {
+        self.data.iter().find(|datum| datum.variable == variable)
+    }
+
+    /// Sets a datum; gives the value that it had.
+    pub(crate) fn set(&mut self, datum: MachineDatum) -> Option<MachineValue> {
+        match self.data.iter_mut().find(|known| known.variable == datum.variable) {
+            Some(known) => Some(std::mem::replace(&mut known.value, datum.value)),
+            None => {
+                self.data.push(datum);
+                None
+            }
+        }
     }
 
     /// The table at a place.
@@ -250,7 +309,7 @@ mod tests {
             multiply_by: 0,
             modulo: false,
         };
-        let sum = |tables: Vec<SiemensTable>| SiemensTables { tables }.largest_cec_sum("AX2");
+        let sum = |tables: Vec<SiemensTable>| SiemensTables::of(tables).largest_cec_sum("AX2");
         let (plus, minus) = (Some(Direction::Plus), Some(Direction::Minus));
         let one_each_way = sum(vec![table(0, plus, -0.004), table(1, minus, 0.003)]);
         let twice = sum(vec![table(0, plus, -0.004), table(1, plus, 0.003), table(2, None, 0.001)]);

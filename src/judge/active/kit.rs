@@ -50,9 +50,9 @@ pub fn from_kit(
     let findings = check_machine(job, &document["machine"], &mut problems);
     let found = backlash(&axis_names(job, profile)?, state);
     let backlash_um = backlash_of(job, &found, &mut problems);
-    let mut own = stated(job, profile, &backlash_um)?;
-    check_state(job, &own, state, &mut problems);
-    take_switches(&mut own, state);
+    let mut own = ActiveControl::bare(job, profile, path, backlash_um)?;
+    check_state(job, &own.state, state, &mut problems);
+    take_switches(&mut own.state, state);
     problems.or_ok(())?;
     let kit_files = files.iter().map(|(role, path, bytes)| KitFile { path, role: *role, bytes });
     let kit_files: Vec<KitFile<'_>> = kit_files.collect();
@@ -67,7 +67,9 @@ pub fn from_kit(
             "the new tables would hold corrections that were not active: read the tables out of the control and name them instead",
         )],
         findings,
-        ..ActiveControl::new(path, origin, tables, own, backlash_um)
+        tables,
+        origin,
+        ..own
     })
 }
 

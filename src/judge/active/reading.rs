@@ -7,7 +7,6 @@ use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::judge::findings::InControl;
 use crate::quantity::{Axis, PerAxis};
-use crate::read::siemens::MachineDatum;
 use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::stated_control;
 use crate::write::plan::axis_names;
@@ -54,8 +53,12 @@ pub enum Origin {
         /// Name and version of the program.
         tool: String,
     },
-    /// Files that were read out of the control, with everything that they hold.
-    ReadOut(Held),
+    /// Files that were read out of the control, with everything of the compensation that they hold, whether it acted
+    /// or not.
+    ///
+    /// limits of Siemens machine data those that [`crate::read::siemens::read_out`] takes from an archive, and
+    ///        switches only where all files agree
+    ReadOut(Tables),
     /// No files: no table was active, and the job states the backlash parameters that were.
     NoTables,
 }
@@ -71,49 +74,26 @@ pub struct Others {
     pub sets: Vec<u32>,
 }
 
-/// Everything of the compensation that files of a control hold, as they hold it, whether it acted or
-/// not.
-///
-/// limits of Siemens machine data those that [`crate::read::siemens::read_out`] takes from an
-///        archive, and only where all files agree
-#[derive(Clone, Debug, PartialEq)]
-pub struct Held {
-    /// Tables, parameters and points, none left out.
-    pub tables: Tables,
-    /// Machine and setting data (Siemens).
-    pub data: Vec<MachineDatum>,
-    /// Tables that the control reserves without a grid, such as `AN_CEC[3]` (Siemens).
-    pub without_grid: Vec<String>,
-}
-
-impl Held {
-    /// Tables of a control whose switches are in them, or that has none.
-    pub(crate) fn plain(tables: Tables) -> Held {
-        Held { tables, data: Vec::new(), without_grid: Vec::new() }
-    }
-}
-
 impl ActiveControl {
-    /// A control with these tables of which nothing else is known.
-    pub(super) fn new(
+    /// The control of a job without tables, of which nothing else is known.
+    pub(super) fn bare(
+        job: &Job,
+        profile: &Profile,
         path: &str,
-        origin: Origin,
-        tables: Tables,
-        state: ControlState,
         backlash_um: PerAxis<Option<f64>>,
-    ) -> ActiveControl {
-        ActiveControl {
-            tables,
+    ) -> Result<ActiveControl, Problems> {
+        Ok(ActiveControl {
+            tables: profile.family.no_tables.clone(),
             files: Vec::new(),
-            state,
+            state: stated(job, profile, &backlash_um)?,
             path: path.to_string(),
-            origin,
+            origin: Origin::NoTables,
             backlash_um,
             held_backlash: Vec::new(),
             others: Others::default(),
             assumptions: Vec::new(),
             findings: Vec::new(),
-        }
+        })
     }
 }
 
@@ -127,10 +107,7 @@ pub fn without_tables(job: &Job, profile: &Profile) -> Result<Option<ActiveContr
     if job.measurement.active != ActiveTables::None || !states_one {
         return Ok(None);
     }
-    let tables = profile.family.no_tables.clone();
-    let state = stated(job, profile, &backlash_um)?;
-    let control = ActiveControl::new("", Origin::NoTables, tables, state, backlash_um);
-    Ok(Some(control))
+    ActiveControl::bare(job, profile, "", backlash_um).map(Some)
 }
 
 /// What files that were read out are for.
@@ -147,29 +124,6 @@ pub enum ReadOutFor {
 /// The backlash parameters that axes of the control hold, µm, by the control's names.
 pub(crate) type NamedBacklash = Vec<(String, Option<f64>)>;
 
-/// What the reader of a dialect found.
-pub(crate) struct Found {
-    /// What acted on the job's axes.
-    pub(crate) tables: Tables,
-    /// What the files hold.
-    pub(crate) held: Held,
-    pub(crate) backlash: PerAxis<NamedBacklash>,
-    /// Unit of the control, where a file holds it.
-    pub(crate) unit: Option<ControlUnit>,
-}
-
-impl Found {
-    /// Tables that all acted, and nothing beside them.
-    pub(crate) fn all(tables: Tables) -> Found {
-        Found {
-            held: Held::plain(tables.clone()),
-            tables,
-            backlash: PerAxis::default(),
-            unit: None,
-        }
-    }
-}
-
 /// A read-out against a job, while it is read.
 pub(crate) struct ReadOutReader<'a> {
     pub(crate) job: &'a Job,
@@ -177,9 +131,8 @@ pub(crate) struct ReadOutReader<'a> {
     pub(crate) texts: &'a [(&'a str, &'a str)],
     pub(crate) names: PerAxis<Vec<String>>,
     pub(crate) purpose: ReadOutFor,
-    pub(crate) others: Others,
-    pub(crate) assumptions: Vec<Assumption>,
-    pub(crate) findings: Vec<Finding>,
+    /// What was found so far.
+    pub(crate) active: ActiveControl,
 }
 
 impl ReadOutReader<'_> {
@@ -189,13 +142,35 @@ impl ReadOutReader<'_> {
     }
 
     pub(crate) fn tell(&mut self, finding: InControl) {
-        self.findings.push(finding.into());
+        self.active.findings.push(finding.into());
+    }
+
+    /// What acted on the job's axes, of all that the files hold.
+    pub(crate) fn found(&mut self, acted: Tables, held: Tables) {
+        self.active.tables = acted;
+        self.active.origin = Origin::ReadOut(held);
+    }
+
+    /// Takes the backlash parameter of each axis of the control, µm, where a file holds it.
+    pub(crate) fn backlash(&self, of: impl Fn(Axis, &str) -> Option<f64>) -> NamedBacklash {
+        let names =
+            self.names.iter().flat_map(|(axis, names)| names.iter().map(move |n| (axis, n)));
+        names.map(|(axis, name)| (name.clone(), of(axis, name))).collect()
+    }
+
+    /// Tells of a control that counts in another unit than the job, where a file holds its unit.
+    pub(crate) fn check_unit(&mut self, unit: Option<ControlUnit>) {
+        let own = self.job.compensation.control_unit;
+        if let Some(unit) = unit.filter(|unit| *unit != own) {
+            let (unit, own) = (unit.word(), own.word());
+            self.tell(InControl::ControlUnit { unit, own });
+        }
     }
 
     /// What is assumed of old tables, and told of files that are judged.
     pub(crate) fn take(&mut self, assumption: Assumption, told: InControl) {
         match self.purpose {
-            ReadOutFor::OldTables => self.assumptions.push(assumption),
+            ReadOutFor::OldTables => self.active.assumptions.push(assumption),
             ReadOutFor::Judging => self.tell(told),
         }
     }

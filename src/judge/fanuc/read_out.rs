@@ -6,7 +6,7 @@ use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, Straightn
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
 use crate::inputs::job::{Job, MachineAxis};
-use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
+use crate::judge::active::ReadOutReader;
 use crate::judge::findings::InControl;
 use crate::quantity::{Axis, PerAxis, power_of_ten, rounded};
 use crate::read::fanuc::{merge, read_out};
@@ -18,7 +18,7 @@ const IDLE_AT_ZERO: [(u32, u32); 5] =
     [(3666, 3671), (3676, 3677), (5861, 5874), (10800, 10814), (14985, 14988)];
 
 /// Reads the files of a control.
-pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Result<Found, Problems> {
+pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Result<(), Problems> {
     let unit = reading.job.compensation.control_unit;
     let files = reading.texts.iter().map(|(name, text)| read_out(name, text, facts, unit));
     let mut memories = Vec::new();
@@ -33,7 +33,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
         }
     }
     let memory = merge(memories)?;
-    let held = Held::plain(Tables::Fanuc(memory.clone()));
+    let held = Tables::Fanuc(memory.clone());
     let unit = unit_of(&memory);
     for finding in found(reading.job, &reading.names, &memory, facts) {
         reading.tell(finding);
@@ -41,10 +41,14 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     let mut sorted = Sorted { reading, facts, memory };
     sorted.take_sets();
     sorted.take_other_axes();
-    let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
+    let backlash = sorted.reading.backlash(|axis, name| sorted.backlash(axis, name));
+    sorted.reading.active.held_backlash = backlash;
+    sorted.tell_cutting_feed();
     sorted.tell_points_of_nobody();
     sorted.take_what_is_no_table();
-    Ok(Found { tables: Tables::Fanuc(sorted.memory), held, backlash, unit })
+    sorted.reading.found(Tables::Fanuc(sorted.memory), held);
+    sorted.reading.check_unit(unit);
+    Ok(())
 }
 
 /// Whose points a parameter of a spindle means is not known.
@@ -104,14 +108,14 @@ impl Sorted<'_, '_> {
         is_idle: bool,
         start: Option<u32>,
     ) {
-        self.reading.others.sets.push(set);
+        self.reading.active.others.sets.push(set);
         let what = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
         let of_moving = |number| self.memory.count(number, Some(moving));
         if let (StraightnessForm::PerPoint, Some(first), Some(own), Some(last)) =
             (self.facts.straightness_form.value, start, of_moving(3621), of_moving(3622))
         {
             let last = first.saturating_add(last.saturating_sub(own));
-            self.reading.others.points.push(NumberRange { first, last });
+            self.reading.active.others.points.push(NumberRange { first, last });
         }
         let follows = self.reading.judges() && self.is_own(shifted) && !is_idle;
         let (moving, axes) = (moving.to_string(), "axes");
@@ -136,7 +140,7 @@ impl Sorted<'_, '_> {
                 let axes = "an axis";
                 self.reading.tell(InControl::OfOthers { what, axes });
             }
-            self.reading.others.points.extend(points);
+            self.reading.active.others.points.extend(points);
             self.memory.parameters.retain(|key, _| key.axis != Some(axis));
         }
     }
@@ -183,31 +187,37 @@ impl Sorted<'_, '_> {
         }
     }
 
-    /// 1851 of each axis of the control, µm.
-    fn backlash(&mut self, axis: Axis) -> NamedBacklash {
-        let settings = self.reading.job.compensation.axes[axis].as_ref();
-        let Some(unit_um) = settings.and_then(|s| s.detection_unit_um) else {
-            return NamedBacklash::new();
-        };
-        let mut held = NamedBacklash::new();
-        for axis in self.reading.names[axis].clone() {
+    /// 1851 of an axis of the control, µm.
+    fn backlash(&self, axis: Axis, name: &str) -> Option<f64> {
+        let unit_um = self.reading.job.compensation.axes[axis].as_ref()?.detection_unit_um?;
+        Some(self.memory.amount(1851, name.parse().ok())? * unit_um)
+    }
+
+    /// Old backlash of which rapid traverse had another.
+    fn tell_cutting_feed(&mut self) {
+        if self.reading.judges() {
+            return;
+        }
+        let known = self.reading.active.held_backlash.iter().filter(|(_, um)| um.is_some());
+        let names: Vec<String> = known.map(|(name, _)| name.clone()).collect();
+        for axis in names {
             let of = |number| self.memory.amount(number, axis.parse().ok());
-            let (cutting, rapid) = (of(1851), of(1852));
-            held.push((axis.clone(), cutting.map(|counts| counts * unit_um)));
-            if let (Some(cutting), Some(rapid), false) = (cutting, rapid, self.reading.judges())
+            if let (Some(cutting), Some(rapid)) = (of(1851), of(1852))
                 && (cutting - rapid).abs() > 0.0
             {
                 self.reading.tell(InControl::CuttingFeed { axis, cutting, rapid });
             }
         }
-        held
     }
 
     /// Points without the parameters that say which axis they belong to.
     fn tell_points_of_nobody(&mut self) {
         let mut keys = self.memory.parameters.keys();
         let has_owner = keys.any(|key| (3620..=3624).contains(&key.number));
-        if has_owner || !self.reading.others.points.is_empty() || self.memory.points.is_empty() {
+        if has_owner
+            || !self.reading.active.others.points.is_empty()
+            || self.memory.points.is_empty()
+        {
             return;
         }
         let points = self.memory.points.len();

@@ -1,11 +1,11 @@
 //! Machine data of the job's tables: what files set beside their switches and memory, and what a read-out holds.
 
 use crate::control::controller::{ControlUnit, Role, SiemensFacts};
-use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
-use crate::judge::active::Held;
+use crate::control::table::siemens::{
+    MachineDatum, MachineValue, Place, SiemensTable, SiemensTables,
+};
 use crate::judge::findings::{Difference, InControl};
 use crate::read::FileData;
-use crate::read::siemens::{MachineDatum, MachineValue, datum};
 use crate::text::{Finding, grouped};
 use std::ops::RangeInclusive;
 
@@ -166,9 +166,11 @@ pub(super) fn numbered(datum: Datum, index: &str) -> String {
     format!("{} {}", datum.0, variable(datum, index))
 }
 
-/// The number that data hold of it.
-pub(super) fn number(data: &[MachineDatum], of: Datum, index: &str) -> Option<f64> {
-    datum(data, &variable(of, index))?.value.number()
+impl SiemensTables {
+    /// The number that is held of a datum.
+    pub(super) fn number(&self, of: Datum, index: &str) -> Option<f64> {
+        self.datum(&variable(of, index))?.value.number()
+    }
 }
 
 /// The switch of a table, and what reserves its memory.
@@ -192,8 +194,8 @@ pub(super) fn switches(table: &SiemensTable) -> Vec<(Datum, String)> {
 const LAST_DIGIT: f64 = 1e-6;
 
 /// Preconditions on machine data that no file holds.
-pub(super) fn not_held(tables: &SiemensTables, held: &Held) -> Vec<String> {
-    let lacks = |datum, index: &str| number(&held.data, datum, index).is_none();
+pub(super) fn not_held(tables: &SiemensTables, held: &SiemensTables) -> Vec<String> {
+    let lacks = |datum, index: &str| held.number(datum, index).is_none();
     let mut absent = Vec::new();
     absent.extend(lacks(UNIT, "").then(|| UNIT.0.to_string()));
     for output in tables.cec_outputs() {
@@ -205,11 +207,15 @@ pub(super) fn not_held(tables: &SiemensTables, held: &Held) -> Vec<String> {
 
 /// What else decides how far CEC tables act on an axis: MD32720 cuts their sum, MD32711 (where
 /// MD10260 = 1) says their unit.
-pub(super) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit) -> Vec<InControl> {
+pub(super) fn cec_limits(
+    held: &SiemensTables,
+    tables: &SiemensTables,
+    unit: ControlUnit,
+) -> Vec<InControl> {
     let mut findings = Vec::new();
     for axis in tables.cec_outputs() {
         let sum = tables.largest_cec_sum(&axis);
-        let limit = number(&held.data, CEC_LIMIT, &axis);
+        let limit = held.number(CEC_LIMIT, &axis);
         if let Some(limit) = limit.filter(|limit| *limit < sum - LAST_DIGIT / 2.0) {
             findings.push(InControl::CutOff {
                 axis: axis.clone(),
@@ -218,8 +224,8 @@ pub(super) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit)
                 unit: unit.word(),
             });
         }
-        let metric = number(&held.data, CEC_UNIT, &axis);
-        let converts = number(&held.data, UNIT_CHANGES, "");
+        let metric = held.number(CEC_UNIT, &axis);
+        let converts = held.number(UNIT_CHANGES, "");
         let Some(metric) = metric.filter(|metric| ControlUnit::of_metric(*metric) != unit) else {
             continue;
         };

@@ -4,26 +4,24 @@ use super::machine_data::cec_limits;
 use crate::control::claims::Assumption;
 use crate::control::controller::ControlUnit;
 use crate::control::table::Tables;
-use crate::control::table::siemens::{OpenEnd, Place, SiemensTable, SiemensTables};
-use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
+use crate::control::table::siemens::{MachineDatum, OpenEnd, Place, SiemensTable, SiemensTables};
+use crate::judge::active::ReadOutReader;
 use crate::judge::findings::{InControl, listed};
 use crate::judge::siemens::machine_data::{
     BACKLASH, CEC_ON, CEC_POINTS, Datum, LEC_ON, REFERENCE, REFERENCE_MODE, TABLE_ON, UNIT, WEIGHT,
-    number, numbered, of_place, switches, variable,
+    numbered, of_place, switches, variable,
 };
-use crate::quantity::{Axis, PerAxis, UM_PER_MM};
-use crate::read::siemens::{
-    MachineDatum, SiemensContents, has_active_data, is_switch, merge, read_out,
-};
+use crate::quantity::{Axis, UM_PER_MM};
+use crate::read::siemens::{SiemensContents, has_active_data, is_switch, merge, read_out};
 use crate::text::Problems;
 
 /// Reads the files of a control.
-pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
     let texts = reading.texts;
     // Where part programs are all that there is, they count.
     let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
     let all = merge(contents(texts, reads_programs, reading)?)?;
-    reading.findings.extend(all.notes.iter().cloned());
+    reading.active.findings.extend(all.notes.iter().cloned());
     if !all.unwritten.is_empty() {
         let parameters = all.unwritten.clone();
         reading.tell(InControl::NotWritten { parameters });
@@ -32,14 +30,8 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let tables = all.idle.clone();
         reading.tell(InControl::Idle { tables });
     }
-    let is_agreed = |datum: &&MachineDatum| {
-        !(is_switch(&datum.variable) && all.twice.contains(&datum.variable))
-    };
-    let held = Held {
-        tables: Tables::Siemens(all.tables.clone()),
-        data: all.machine_data.iter().filter(is_agreed).cloned().collect(),
-        without_grid: [&all.without_grid[..], &all.idle[..]].concat(),
-    };
+    let mut held = all.tables.clone();
+    held.data.retain(|own| !(is_switch(&own.variable) && all.twice.contains(&own.variable)));
     let mut sorted = Sorted { reading, all, held };
     for variable in std::mem::take(&mut sorted.all.twice) {
         sorted.several_values(variable);
@@ -49,12 +41,11 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
     sorted.tell_what_was_not_read_out();
     let unit = sorted.value(UNIT, "").map(ControlUnit::of_metric);
     sorted.tell_references(unit);
-    Ok(Found {
-        tables: Tables::Siemens(tables),
-        backlash: PerAxis::from_fn(|axis| sorted.backlash(axis)),
-        held: sorted.held,
-        unit,
-    })
+    let backlash = sorted.reading.backlash(|axis, name| sorted.backlash(axis, name));
+    sorted.reading.active.held_backlash = backlash;
+    sorted.reading.found(Tables::Siemens(tables), Tables::Siemens(sorted.held));
+    sorted.reading.check_unit(unit);
+    Ok(())
 }
 
 /// What the texts of a read-out hold, one by one.
@@ -68,7 +59,11 @@ fn contents(
     for ((name, _), told) in texts.iter().zip(&all) {
         tell_units(reading, name, &told.units);
         passed_over.push((*name, told.passed_over, "other machine data"));
-        passed_over.push((*name, told.without_grid.len(), "reserved tables without a grid"));
+        passed_over.push((
+            *name,
+            told.tables.reserved.len() - told.idle.len(),
+            "reserved tables without a grid",
+        ));
     }
     passed_over.sort_by_key(|(file, ..)| *file);
     for (file, count, what) in passed_over.into_iter().filter(|(_, count, _)| *count > 0) {
@@ -96,7 +91,8 @@ fn tell_units(reading: &mut ReadOutReader<'_>, name: &str, units: &[ControlUnit]
 pub(super) struct Sorted<'a, 'b> {
     pub(super) reading: &'a mut ReadOutReader<'b>,
     pub(super) all: SiemensContents,
-    pub(super) held: Held,
+    /// Without switches of which the files hold several values.
+    pub(super) held: SiemensTables,
 }
 
 impl Sorted<'_, '_> {
@@ -195,7 +191,7 @@ impl Sorted<'_, '_> {
     }
 
     pub(super) fn value(&self, datum: Datum, index: &str) -> Option<f64> {
-        number(&self.all.machine_data, datum, index)
+        self.all.tables.number(datum, index)
     }
 
     /// Whether a datum was read out and stands above 0.
@@ -207,8 +203,8 @@ impl Sorted<'_, '_> {
     fn is_on(&mut self, datum: Datum, index: &str) -> bool {
         self.is_above_zero(datum, index).unwrap_or_else(|| {
             let what = numbered(datum, index);
-            if !self.reading.assumptions.iter().any(|a| a.fact == what) {
-                self.reading.assumptions.push(Assumption::of_job(
+            if !self.reading.active.assumptions.iter().any(|a| a.fact == what) {
+                self.reading.active.assumptions.push(Assumption::of_job(
                     what,
                     "1 while measuring",
                     "no file holds it; a table that was off would be added to the new one",
@@ -223,7 +219,7 @@ impl Sorted<'_, '_> {
         let mut own = Vec::new();
         for mut table in self.all.tables.tables.clone() {
             if let Some(told) = self.set_aside(&table) {
-                self.reading.others.cec_tables.extend(table.place.cec());
+                self.reading.active.others.cec_tables.extend(table.place.cec());
                 self.reading.tell(told);
             } else {
                 self.weigh(&table);
@@ -231,7 +227,7 @@ impl Sorted<'_, '_> {
                 own.push(table);
             }
         }
-        let own = SiemensTables { tables: own };
+        let own = SiemensTables::of(own);
         if !self.reading.judges() {
             // `verify` compares with what the job asks for.
             let unit = self.reading.job.compensation.control_unit;
@@ -346,14 +342,10 @@ impl Sorted<'_, '_> {
     }
 
     /// MD32450 of the active measuring system, µm.
-    fn backlash(&self, axis: Axis) -> NamedBacklash {
-        let encoder = self.encoder(axis);
+    fn backlash(&self, axis: Axis, name: &str) -> Option<f64> {
         let in_um = self.reading.job.compensation.control_unit.in_mm() * UM_PER_MM;
-        let of_name = |name: &String| {
-            let held = self.value(BACKLASH, &format!("{encoder},{}", name.to_uppercase()));
-            (name.clone(), held.map(|value| value * in_um))
-        };
-        self.reading.names[axis].iter().map(of_name).collect()
+        let index = format!("{},{}", self.encoder(axis), name.to_uppercase());
+        Some(self.value(BACKLASH, &index)? * in_um)
     }
 }
 
@@ -381,7 +373,7 @@ impl Sorted<'_, '_> {
     }
 
     fn is_reserved(&self, place: &Place) -> bool {
-        self.held.without_grid.contains(&place.to_string())
+        self.held.reserved.contains(&place.to_string())
     }
 
     /// Both tables that an axis of the control may have in ENC_COMP.
@@ -402,10 +394,10 @@ impl Sorted<'_, '_> {
             let mut data = [CEC_ON, TABLE_ON, CEC_POINTS].into_iter();
             data.any(|datum| own.variable.starts_with(&variable(datum, "")))
         };
-        let mut reserved = self.held.without_grid.iter();
+        let mut reserved = self.held.reserved.iter();
         let tells_of_cec = self.all.tables.cec().next().is_some()
             || reserved.any(|table| table.starts_with("AN_CEC"))
-            || self.all.machine_data.iter().any(is_of_cec);
+            || self.all.tables.data.iter().any(is_of_cec);
         let lec = (!lec.is_empty()).then(|| format!("ENC_COMP of {}", listed(&lec)));
         let cec = (!tells_of_cec).then(|| "CEC".to_string());
         lec.into_iter().chain(cec).collect()
@@ -473,7 +465,7 @@ impl Sorted<'_, '_> {
             let table = own.variable.strip_prefix(&before)?.strip_suffix(']')?;
             Some((Place::Cec(table.parse().ok()?), own.value.number()? > 0.0))
         };
-        self.all.machine_data.iter().filter_map(own).collect()
+        self.all.tables.data.iter().filter_map(own).collect()
     }
 }
 
@@ -489,6 +481,6 @@ mod tests {
         let parts = [on, off, on].map(|text| read("part", text).unwrap());
         let all = merge(parts.to_vec()).unwrap();
         assert!(all.twice.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
-        assert_eq!(all.machine_data.len(), 2);
+        assert_eq!(all.tables.data.len(), 2);
     }
 }

@@ -3,22 +3,21 @@
 
 use super::statement::{Assignment, BLANKS, Value, block_number, code_of, is_end, take_word};
 use crate::control::controller::ControlUnit;
-use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
+use crate::control::table::siemens::{
+    MachineDatum, MachineValue, Place, SiemensTable, SiemensTables,
+};
 use crate::read::lexer::{Complaint, Cursor, lines};
 use crate::text::{Finding, Problem, Problems, nearest};
 use Allowed::{Any, AxisName, Number, Truth, Whole};
 use Index::{Axis, Encoder, Point, Table};
 use std::collections::BTreeSet;
-use std::fmt;
 use std::ops::Range;
 
 /// What one file, or all files of a kit together, write into a control.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SiemensContents {
-    /// The tables.
+    /// The tables, the machine and setting data.
     pub tables: SiemensTables,
-    /// Machine and setting data, in the order of their first assignment, with their last value.
-    pub machine_data: Vec<MachineDatum>,
     /// Remarks for the user that are no problem.
     pub notes: Vec<Finding>,
     /// Parameters of tables that the file does not write, such as `IS_MODULO of $AN_CEC[0]`: the control
@@ -28,8 +27,6 @@ pub struct SiemensContents {
     pub idle: Vec<String>,
     /// Of files that a control wrote, how many data were ignored, as they are of no concern.
     pub passed_over: usize,
-    /// Tables that are reserved but hold no grid (STEP 0), such as `AN_CEC[3]`.
-    pub without_grid: Vec<String>,
     /// Names of its part programs, such as `NONIUS_EEC_MPF`.
     pub programs: Vec<String>,
     /// Whether they write tables.
@@ -38,48 +35,6 @@ pub struct SiemensContents {
     pub twice: BTreeSet<String>,
     /// The units that its data are in, where it says so (`METRIC`, `INCH`).
     pub units: Vec<ControlUnit>,
-}
-
-/// One `$MA_`, `$MN_` or `$SN_` assignment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MachineDatum {
-    /// As files write it: `$MA_BACKLASH[0,AX1]`; whole numbers without leading zeros, names in upper case.
-    pub variable: String,
-    /// The value.
-    pub value: MachineValue,
-}
-
-/// Value of a machine or setting datum, in the control's own unit.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MachineValue {
-    /// A number; `TRUE` is 1 and `FALSE` is 0.
-    Number(f64),
-    /// A name in parentheses or quotes, upper case.
-    Text(String),
-}
-
-impl MachineValue {
-    /// The number.
-    pub(crate) fn number(&self) -> Option<f64> {
-        match self {
-            MachineValue::Number(number) => Some(*number),
-            MachineValue::Text(_) => None,
-        }
-    }
-}
-
-impl fmt::Display for MachineValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            MachineValue::Number(number) => write!(f, "{number}"),
-            MachineValue::Text(text) => f.write_str(text),
-        }
-    }
-}
-
-/// What data hold of a variable.
-pub(crate) fn datum<'a>(data: &'a [MachineDatum], variable: &str) -> Option<&'a MachineDatum> {
-    data.iter().find(|datum| datum.variable == variable)
 }
 
 /// Whether a machine or setting datum switches tables on and off, and so is made for being changed.
@@ -96,36 +51,30 @@ pub(crate) fn is_switch(variable: &str) -> bool {
 pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems> {
     let mut problems = Problems::none();
     let mut all = SiemensContents::default();
-    let mut tables: Vec<SiemensTable> = Vec::new();
     for file in contents {
         for mut table in file.tables.tables {
-            match tables.iter_mut().find(|known| known.place == table.place) {
+            match all.tables.tables.iter_mut().find(|known| known.place == table.place) {
                 Some(known) => merge_table(known, &mut table, &mut problems),
-                None => tables.push(table),
+                None => all.tables.tables.push(table),
             }
         }
-        for datum in file.machine_data {
-            match all.machine_data.iter_mut().find(|known| known.variable == datum.variable) {
-                None => all.machine_data.push(datum),
-                Some(known) if known.value == datum.value => {}
-                Some(known) if is_switch(&datum.variable) => {
-                    known.value = datum.value;
-                    all.twice.insert(datum.variable);
-                }
-                Some(_) => problems.push(conflict(&datum.variable)),
+        for datum in file.tables.data {
+            let MachineDatum { variable, value } = datum.clone();
+            match all.tables.set(datum).is_some_and(|old| old != value) {
+                false => {}
+                true if is_switch(&variable) => _ = all.twice.insert(variable),
+                true => problems.push(conflict(&variable)),
             }
         }
+        all.tables.reserved.extend(file.tables.reserved);
         all.notes.extend(file.notes);
         all.unwritten.extend(file.unwritten);
         all.idle.extend(file.idle);
-        all.passed_over += file.passed_over;
-        all.without_grid.extend(file.without_grid);
         all.programs.extend(file.programs);
         all.programs_write_tables |= file.programs_write_tables;
         all.twice.extend(file.twice);
-        all.units.extend(file.units);
     }
-    all.tables = SiemensTables::of(tables);
+    all.tables.tables.sort_by(|a, b| a.place.cmp(&b.place));
     problems.or_ok(all)
 }
 

@@ -4,11 +4,11 @@
 //! order and the last assignment of each counts (Function Manual Extended Functions 03/2013, K3
 //! p. 240-249: the assignments are independent statements).
 
-use super::contents::{
-    Cell, MachineDatum, MachineValue, SiemensContents, datum, is_switch, variable,
-};
+use super::contents::{Cell, SiemensContents, is_switch, variable};
 use super::statement::Assignment;
-use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable};
+use crate::control::table::siemens::{
+    MachineDatum, MachineValue, Place, SiemensGrid, SiemensTable,
+};
 use crate::quantity::Direction;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS};
 use std::collections::BTreeMap;
@@ -104,7 +104,7 @@ impl Memory {
 
     /// Whether it holds more than any control.
     pub(super) fn is_full(&self) -> bool {
-        self.tables.len() > MOST_TABLES || self.all.machine_data.len() > MOST_DATA
+        self.tables.len() > MOST_TABLES || self.all.tables.data.len() > MOST_DATA
     }
 
     /// A switch that does not act when a kit's file has run. Machine data of that class wait
@@ -142,7 +142,7 @@ impl Memory {
             Place::Lec { .. } => ("$MA_ENC_COMP_ENABLE", place.index()),
             Place::Cec(_) => ("$MA_CEC_ENABLE", draft.name("_OUTPUT_AXIS").unwrap_or_default()),
         };
-        let switched = datum(&self.all.machine_data, &format!("{switch}[{index}]"));
+        let switched = self.all.tables.datum(&format!("{switch}[{index}]"));
         draft.protected = switched.and_then(|on| on.value.number()).is_some_and(|on| on > 0.0);
         match draft.protected {
             true => Err(protected(set, switch)),
@@ -156,15 +156,10 @@ impl Memory {
         if datum.variable.starts_with("$MA_") && is_switch(&datum.variable) {
             self.waiting.get_or_insert_with(|| datum.variable.clone());
         }
-        let all = &mut self.all;
-        match all.machine_data.iter_mut().find(|known| known.variable == datum.variable) {
-            None => all.machine_data.push(datum),
-            Some(known) => {
-                let old = std::mem::replace(&mut known.value, datum.value);
-                if old != known.value && self.writer == Writer::Control {
-                    all.twice.insert(datum.variable);
-                }
-            }
+        let MachineDatum { variable, value } = datum.clone();
+        let is_other = self.all.tables.set(datum).is_some_and(|old| old != value);
+        if is_other && self.writer == Writer::Control {
+            self.all.twice.insert(variable);
         }
     }
 
@@ -177,7 +172,7 @@ impl Memory {
         for (place, draft) in self.tables {
             if self.writer == Writer::Control && draft.cell("_STEP").is_some_and(Placed::is_zero) {
                 // The control reserves memory for the table and nobody filled it.
-                self.all.without_grid.push(place.to_string());
+                self.all.tables.reserved.push(place.to_string());
             } else {
                 draft.finish(place, self.writer, &mut self.all, complaints);
             }
@@ -269,6 +264,7 @@ impl Draft {
         let is_zero = self.points(0).all(|(_, placed)| placed.is_zero());
         if content.is_none() && writer != Writer::Kit && is_zero && is_readable {
             all.idle.push(place.to_string());
+            all.tables.reserved.push(place.to_string());
             return;
         }
         let axes = match &place {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::control::controller::ControlUnit;
-use crate::control::table::siemens::{Place, SiemensTable};
+use crate::control::table::siemens::{MachineDatum, MachineValue, Place, SiemensTable};
 
 /// A complete small LEC table; `{}` stands for more lines.
 const LEC: &str = "$AA_ENC_COMP[1,0,AX1]=0.001
@@ -260,7 +260,7 @@ fn machine_data_keep_their_last_value() {
         value: MachineValue::Number(value),
     };
     let expected = [datum("MA_MM_ENC_COMP_MAX_POINTS", 26.0), datum("MA_ENC_COMP_ENABLE", 1.0)];
-    assert_eq!(contents(text).machine_data, expected);
+    assert_eq!(contents(text).tables.data, expected);
 }
 
 fn merged(texts: &[String]) -> Result<SiemensContents, Problems> {
@@ -296,7 +296,7 @@ fn conflicting_files_are_refused() {
 fn a_switch_may_be_changed_by_a_later_file() {
     let switch = |on| format!("$MA_ENC_COMP_ENABLE[1,AX1]={on}\n");
     let all = merged(&[switch(0), switch(1)]).expect("no conflict");
-    assert_eq!(all.machine_data[0].value, MachineValue::Number(1.0));
+    assert_eq!(all.tables.data[0].value, MachineValue::Number(1.0));
 }
 
 /// What a control wrote, as a file of active data, with programs beside them.
@@ -310,10 +310,10 @@ fn of_several_sections_what_is_of_concern_is_read_at_its_place() {
                 N32450 $MA_BACKLASH[0,AX1]=0.005\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n\
                 %_N_NC_CEC_INI\nMETRIC\n$AN_CEC_STEP[3]=0\n$AN_CEC_INPUT_AXIS[3]=(\n$AN_CEC[3,0]=0\nM17\n";
     let found = held(text);
-    let data = found.machine_data.iter().map(|datum| datum.variable.as_str());
+    let data = found.tables.data.iter().map(|datum| datum.variable.as_str());
     assert_eq!(data.collect::<Vec<_>>(), ["$MA_BACKLASH[0,AX1]", "$MN_SCALING_SYSTEM_IS_METRIC"]);
     assert_eq!(found.passed_over, 1);
-    assert_eq!(found.without_grid, ["AN_CEC[3]"]);
+    assert_eq!(found.tables.reserved, ["AN_CEC[3]"]);
     assert_eq!(found.units, [ControlUnit::Millimetre]);
     let wrong = text.replace("=0.005", "=0,005");
     let problems = super::read_out("all.txt", &wrong, false).expect_err("a comma");
@@ -326,9 +326,9 @@ fn line_checksums_are_passed_over() {
     let text = "N32450 $MA_BACKLASH[0,AX1]=0.005 '2F34\n$AN_CEC_STEP[3]=0 'ab01 ;later\n\
                 $MA_CEC_MAX_SUM[AX1]=0.001 '00FF\r\nM17\n";
     let found = held(text);
-    assert_eq!(found.machine_data[0].value, MachineValue::Number(0.005));
-    assert_eq!(found.machine_data[1].value, MachineValue::Number(0.001));
-    assert_eq!(found.without_grid, ["AN_CEC[3]"]);
+    assert_eq!(found.tables.data[0].value, MachineValue::Number(0.005));
+    assert_eq!(found.tables.data[1].value, MachineValue::Number(0.001));
+    assert_eq!(found.tables.reserved, ["AN_CEC[3]"]);
     let three_digits = text.replace("'00FF", "'00F");
     assert!(super::read_out("all.txt", &three_digits, false).is_err());
 }
@@ -366,7 +366,7 @@ fn two_values_of_one_variable_are_told() {
             steps.map(|step| CEC.replace("STEP[0]=50.0", &format!("STEP[0]={step}")));
         let found = held(&format!("{first}{second}M17\n"));
         assert!(found.twice.iter().eq(["$AN_CEC_STEP[0]"]));
-        assert!(found.without_grid.is_empty());
+        assert!(found.tables.reserved.is_empty());
         assert_eq!(found.tables.tables[0].values.len(), 2);
     }
 }
@@ -376,9 +376,9 @@ fn what_is_no_plain_assignment_is_not_swallowed() {
     for line in ["IF R1==1 $MA_CEC_ENABLE[AX1]=0", "$MA_BACKLASH[0,AX1] 0.5", "$AN_CEC[0,0]"] {
         assert!(super::read_out("all.txt", &format!("{line}\nM17\n"), false).is_err(), "{line}");
     }
-    assert!(held("G0 X1\nMSG(\"$MA\")\nM17\n").machine_data.is_empty());
+    assert!(held("G0 X1\nMSG(\"$MA\")\nM17\n").tables.data.is_empty());
     let goes_on = "$MA_BACKLASH[0,AX1]=1\nM17\n$MN_OTHER=1\n";
     let problems = super::read_out("all.txt", goes_on, false).expect_err("behind the end");
     assert!(problems.render().contains("follows the end word"));
-    assert!(held(&format!("{goes_on}M17\n")).machine_data.len() == 1);
+    assert!(held(&format!("{goes_on}M17\n")).tables.data.len() == 1);
 }

@@ -1,8 +1,8 @@
 //! The way back on a Siemens control, from what was read out of it.
 
 use super::*;
+use nonius::control::table::siemens::MachineValue;
 use nonius::control::table::siemens::{Place, SiemensTable, SiemensTables};
-use nonius::read::siemens::MachineValue;
 use nonius::read::{ReadBack, read, read_apart};
 use std::collections::BTreeMap;
 
