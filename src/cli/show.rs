@@ -93,7 +93,7 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
     });
     let diagonals = forecast.diagonals.iter().map(|d| {
         let figures = figures(&d.change);
-        format!("diagonal {}\t{figures}\tmax - min{reversal}", d.name)
+        format!("diagonal {}\t{figures}\tmax - min{reversal}", d.diagonal)
     });
     let all = largest_of_all(forecast);
     let all = all.map(|(um, at_most)| format!("{OF_ALL}\t\t{um}\t{at_most}\t"));

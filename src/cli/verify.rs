@@ -328,7 +328,7 @@ impl Page<'_> {
         let terms = forecast.iter().flat_map(|of| &of.terms);
         let terms = terms.map(|of| (of.term.to_string(), Figures::forecast(&of.change, true)));
         let diagonal =
-            |of: &DiagonalForecast| (of.name.to_string(), Figures::forecast(&of.change, false));
+            |of: &DiagonalForecast| (of.diagonal.to_string(), Figures::forecast(&of.change, false));
         let page = Document {
             schema: 1,
             verdict: self.verdict().word(),

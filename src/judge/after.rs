@@ -188,8 +188,8 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
         let values: usize = own.map(|walk| walk.um.len()).sum();
         let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
-        let (name, doubtful_um) = (diagonal.name(), between.diagonals[diagonal]);
-        DiagonalForecast::new(name, [*range; 2], sigma, &u_um, scale_um, None, doubtful_um)
+        let doubtful_um = between.diagonals[diagonal];
+        DiagonalForecast::new(diagonal, [*range; 2], sigma, &u_um, scale_um, None, doubtful_um)
     };
     let walked = |axis| range_of(job, axis, &runs.volume.positions(axis));
     Forecast {

@@ -45,14 +45,9 @@ pub(crate) trait Family {
     /// What tables hold, entry by entry, beside those that they are compared with.
     fn entries(&self, side: &Side<'_>) -> Entries;
 
-    /// What the files of a kit set beside the tables that the job does not write, and what they do not set
-    /// though they should.
-    fn other_settings(&self, _wanted: &Compiled, _read: &ReadBack) -> Vec<Difference> {
-        Vec::new()
-    }
-
-    /// What no file of a kit sets and somebody has to see to.
-    fn absent_settings(&self, _wanted: &Tables, _read: &ReadBack) -> Vec<Finding> {
+    /// What the files of a kit set beside the tables that the job does not write, what they do not set though they
+    /// should, and what no file of it sets and somebody has to see to.
+    fn beside(&self, _wanted: &Compiled, _read: &ReadBack) -> Vec<Finding> {
         Vec::new()
     }
 
@@ -138,17 +133,11 @@ impl<'a> Before<'a> {
 pub(crate) struct Old {
     /// Of Siemens with switches, backlash and weights.
     pub(crate) tables: Tables,
-    /// What no file that was read out holds.
-    pub(crate) unknown: Vec<Unknown>,
+    /// What no file that was read out holds and no rollback file restores: names, as the control shows them, and what
+    /// changes it.
+    pub(crate) unknown: Vec<(String, ChangedBy)>,
     /// Tables that keep the values of the kit, switched off: they were reserved without a grid.
     pub(crate) stays: Vec<String>,
-}
-
-/// Something that the kit changes and no rollback file restores.
-pub(crate) struct Unknown {
-    /// Names, as the control shows them.
-    pub(crate) what: String,
-    pub(crate) by: ChangedBy,
 }
 
 /// What changes a datum beside the tables.
@@ -164,11 +153,8 @@ pub(crate) enum ChangedBy {
 
 /// One name for all data of a kind: `MD32700 $MA_ENC_COMP_ENABLE[0,AX1], [0,AX2]`. `lacking`: of each its name, which of
 /// those of this name, and by whom it is changed.
-pub(crate) fn unknown(lacking: Vec<(String, String, ChangedBy)>) -> Vec<Unknown> {
+pub(crate) fn unknown(lacking: Vec<(String, String, ChangedBy)>) -> Vec<(String, ChangedBy)> {
     let groups = grouped(lacking.into_iter().map(|(name, index, by)| ((name, by), index)));
-    let named = |((name, by), indices): ((String, ChangedBy), Vec<String>)| Unknown {
-        what: name + &indices.join(", "),
-        by,
-    };
-    groups.into_iter().map(named).collect()
+    let named = groups.into_iter().map(|((name, by), indices)| (name + &indices.join(", "), by));
+    named.collect()
 }

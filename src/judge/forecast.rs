@@ -15,9 +15,9 @@ mod reasons;
 mod share;
 
 pub(crate) use self::figures::Missed;
-pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, TermForecast};
+pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, Of, TermForecast};
 pub(crate) use self::reasons::terms_words;
-pub use self::reasons::{Grounds, Miss, Of, RestsOn};
+pub use self::reasons::{Grounds, Miss, RestsOn};
 pub use self::share::{JudgedRange, Machine};
 use self::share::{Range, within};
 pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm, words};
@@ -30,6 +30,7 @@ use crate::quantity::{
     Squared, Volume, ends, larger,
 };
 use crate::read::emulate::Response;
+use crate::text::grouped;
 use crate::write::grid::EDGE_MM;
 use crate::write::plan::Plan;
 
@@ -111,7 +112,7 @@ fn residuals(
     term: ErrorTerm,
     judged: Option<Range>,
 ) -> Vec<Magnitude> {
-    let mut figures: Vec<(Cell, f64)> = Vec::new();
+    let mut left = Vec::new();
     for direction in Direction::BOTH {
         let known = machine.as_measured.terms[term].as_ref();
         let Some((known, (measured, curve))) = known.zip(machine.curves(term, direction)) else {
@@ -119,17 +120,14 @@ fn residuals(
         };
         let cells = cells(known, direction, within(measured.measured_range(), judged));
         for response in control.ways(term, direction) {
-            for cell in &cells {
-                let um = largest_in(curve, response, *cell);
-                match figures.iter_mut().find(|(known, _)| known == cell) {
-                    Some((_, largest)) => *largest = larger(*largest, um),
-                    None => figures.push((*cell, um)),
-                }
-            }
+            left.extend(cells.iter().map(|cell| (*cell, largest_in(curve, response, *cell))));
         }
     }
-    let figure = |(cell, um): (Cell, f64)| Magnitude { um, u_um: cell.u_um };
-    figures.into_iter().map(figure).collect()
+    let figure = |(cell, um): (Cell, Vec<f64>)| Magnitude {
+        um: um.into_iter().fold(0.0, larger),
+        u_um: cell.u_um,
+    };
+    grouped(left).into_iter().map(figure).collect()
 }
 
 /// The stretch of a curve that a measured position stands for.
@@ -262,8 +260,7 @@ fn along_diagonals(
             model.remarks.largest.as_ref().map(|largest| largest.single.diagonals[diagonal]);
         let doubtful_um =
             model.remarks.doubtful.as_ref().map_or(0.0, |sizes| sizes.diagonals[diagonal]);
-        let name = diagonal.name();
-        DiagonalForecast::new(name, sizes, sigma, &u_um, scale_um, largest_um, doubtful_um)
+        DiagonalForecast::new(diagonal, sizes, sigma, &u_um, scale_um, largest_um, doubtful_um)
     };
     Diagonal::ALL.into_iter().map(of_diagonal).collect()
 }
@@ -354,17 +351,11 @@ fn near_um(measured: &MeasuredTerm, at: Millimetres) -> f64 {
 
 /// One run along a diagonal, t from 0 to 1.
 struct Walk<'a> {
-    parts: Vec<Part<'a>>,
+    parts: Vec<(ErrorTerm, &'a Travel<'a>)>,
     measured_box: &'a Volume,
     diagonal: Diagonal,
-}
-
-/// One term on the way, and the cosine of the beam to its direction.
-#[derive(PartialEq)]
-struct Part<'a> {
-    travel: &'a Travel<'a>,
-    along: Axis,
-    cosine: f64,
+    /// Cosines of the beam to the axes.
+    beam: PerAxis<f64>,
 }
 
 impl<'a> Walk<'a> {
@@ -374,24 +365,21 @@ impl<'a> Walk<'a> {
         diagonal: Diagonal,
         pass: Pass,
     ) -> Walk<'a> {
-        let beam = measured_box.laser(diagonal);
-        let part = |(term, direction, travel): &'a (ErrorTerm, Direction, Travel<'a>)| {
-            (diagonal.travelled(term.along, pass) == *direction).then(|| Part {
-                travel,
-                along: term.along,
-                cosine: beam[term.of],
-            })
+        let is_on_it = |(term, direction, _): &&(ErrorTerm, Direction, Travel<'_>)| {
+            diagonal.travelled(term.along, pass) == *direction
         };
-        Walk { parts: travels.iter().filter_map(part).collect(), measured_box, diagonal }
+        let parts = travels.iter().filter(is_on_it).map(|(term, _, travel)| (*term, travel));
+        let beam = measured_box.laser(diagonal);
+        Walk { parts: parts.collect(), measured_box, diagonal, beam }
     }
 
     /// Places t where a curve or a correction bends or jumps; the terms of an axis mostly share them.
     fn breaks(&self) -> Vec<f64> {
         let mut breaks = vec![0.0, 1.0];
         for axis in Axis::ALL {
-            let own = self.parts.iter().filter(|part| part.along == axis);
+            let own = self.parts.iter().filter(|(term, _)| term.along == axis);
             let mut bends: Vec<&[f64]> = Vec::new();
-            for places in own.flat_map(|part| &part.travel.bends) {
+            for places in own.flat_map(|(_, travel)| &travel.bends) {
                 if !bends.contains(&places.as_slice()) {
                     bends.push(places);
                 }
@@ -410,12 +398,12 @@ impl<'a> Walk<'a> {
         let mut before = 0.0;
         let mut after = 0.0;
         let places = PerAxis::from_fn(|axis| position(self.measured_box, self.diagonal, axis, t));
-        for part in &self.parts {
-            let (at, travel) = (places[part.along], part.travel);
+        for (term, travel) in &self.parts {
+            let (at, cosine) = (places[term.along], self.beam[term.of]);
             let measured = travel.measured.at(at);
             let bare = travel.uncompensated.map_or(measured, |curve| curve.at(at));
-            before += part.cosine * measured.um();
-            after += part.cosine * (bare + travel.response.correction(at)).um();
+            before += cosine * measured.um();
+            after += cosine * (bare + travel.response.correction(at)).um();
         }
         [before, after]
     }

@@ -16,7 +16,7 @@ use crate::judge::family::{Before, ChangedBy, Family, Old, Side, unknown};
 use crate::judge::findings::{Difference, InControl};
 use crate::quantity::Axis;
 use crate::read::ReadBack;
-use crate::text::{Finding, Problems};
+use crate::text::{Finding, Problems, grouped};
 use crate::write::compensation::Compiled;
 use crate::write::siemens::encoder;
 use ChangedBy::{File, Nobody, Precondition};
@@ -74,12 +74,8 @@ impl Family for SiemensFacts {
         entries
     }
 
-    fn other_settings(&self, wanted: &Compiled, read: &ReadBack) -> Vec<Difference> {
-        machine_data::differences(wanted.tables.own(), &wanted.stale, &read.machine_data, self)
-    }
-
-    fn absent_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<Finding> {
-        machine_data::absent(wanted.own(), &read.machine_data, self)
+    fn beside(&self, wanted: &Compiled, read: &ReadBack) -> Vec<Finding> {
+        machine_data::beside(wanted.tables.own(), &wanted.stale, &read.machine_data, self)
     }
 
     fn measuring_systems(&self, wanted: &Tables, found: &Tables) -> Vec<Difference> {
@@ -169,15 +165,8 @@ fn changed(
     kit: &SiemensTables,
     acted: &SiemensTables,
 ) -> Vec<(Datum, String, ChangedBy)> {
-    let mut all: Vec<(Datum, String, ChangedBy)> = Vec::new();
-    let mut add = |datum: Datum, index: String, by: ChangedBy| match all
-        .iter_mut()
-        .find(|(of, at, _)| *of == datum && *at == index)
-    {
-        Some((.., known)) if *known == Nobody => *known = by,
-        Some(_) => {}
-        None => all.push((datum, index, by)),
-    };
+    let mut all: Vec<((Datum, String), ChangedBy)> = Vec::new();
+    let mut add = |datum: Datum, index: String, by| all.push(((datum, index), by));
     for table in &kit.tables {
         switches(table).into_iter().for_each(|(datum, index)| add(datum, index, File));
         if table.place.cec().is_some() {
@@ -204,6 +193,10 @@ fn changed(
             }
         }
     }
+    let by_somebody = |all: Vec<ChangedBy>| all.into_iter().find(|by| *by != Nobody);
+    let all = grouped(all).into_iter();
+    let all = all.map(|((of, index), all)| (of, index, by_somebody(all).unwrap_or(Nobody)));
+    let mut all: Vec<(Datum, String, ChangedBy)> = all.collect();
     all.sort_by_key(|(of, ..)| ORDER.iter().position(|datum| datum == of));
     all
 }

@@ -72,7 +72,7 @@ impl Alternative {
             tables: compiled.placements.len(),
             points: compiled.placements.iter().map(|p| p.points).sum(),
             term: Worst::of(terms.map(|t| (t.term.to_string(), t.change))),
-            diagonal: Worst::of(diagonals.map(|d| (d.name.to_string(), d.change))),
+            diagonal: Worst::of(diagonals.map(|d| (d.diagonal.to_string(), d.change))),
             forecast,
             verdict,
         })

@@ -345,7 +345,7 @@ impl Before<'_> {
         if !read.is_ok_and(|read| is_same(old, &read)) {
             return Ok(Rollback::none(InRollback::OtherForm));
         }
-        let unknown = old.unknown.iter().map(|of| (of.what.clone(), of.by == ChangedBy::File));
+        let unknown = old.unknown.iter().map(|(what, by)| (what.clone(), *by == ChangedBy::File));
         let look = unknown.clone().map(|(what, by_file)| InRollback::Look { what, by_file });
         let by_hand = unknown.map(|(what, by_file)| InRollback::BringBack { what, by_file });
         let stays = old.stays.iter().cloned().map(|table| InRollback::Stays { table });

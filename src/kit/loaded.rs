@@ -82,8 +82,7 @@ impl<'a> Loaded<'a> {
         let profile = &asked.inputs.profile;
         let read = read(profile, files)?;
         let (mut findings, found) = differences(&asked, &read);
-        let absent = contents::absent(profile, &asked.compiled.tables, &read);
-        findings.extend(absent.into_iter().chain(of_state));
+        findings.extend(of_state);
         let control = found.and_then(|found| match state == asked.compiled.state {
             true => Ok(found),
             false => emulator(profile, &read.tables, &state),

@@ -216,7 +216,7 @@ pub struct ForecastFigures {
 impl From<&Forecast> for ForecastFigures {
     fn from(forecast: &Forecast) -> ForecastFigures {
         let unmeasured = forecast.unmeasured.iter().filter(|(_, found)| !found.is_empty());
-        let diagonals = forecast.diagonals.iter().map(|of| (of.name, of.change));
+        let diagonals = forecast.diagonals.iter().map(|of| (of.diagonal.name(), of.change));
         ForecastFigures {
             max_residual_um: forecast.max_residual_um(),
             max_residual_expanded_um: forecast.max_expanded_um(),

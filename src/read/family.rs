@@ -9,6 +9,7 @@ use crate::quantity::{Direction, Figure, Millimetres};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::findings::ReadFinding;
 use crate::text::{Finding, Problem, Problems, joined, shown};
+use encoding_rs::UTF_16LE;
 use std::borrow::Cow;
 
 /// A family of controls; the facts of its profiles implement it, in its folder.
@@ -198,18 +199,16 @@ pub fn read_out_text<'a>(
 fn kit_text<'a>(profile: &Profile, bytes: &'a [u8]) -> Option<Cow<'a, str>> {
     match profile.encoding() {
         Encoding::Utf8 => std::str::from_utf8(bytes).ok().map(Cow::Borrowed),
-        Encoding::Utf16Le => utf16(bytes).map(Cow::Owned),
+        Encoding::Utf16Le => utf16(bytes),
     }
 }
 
 /// A file of two bytes for each character, the low one first; `None` of one that holds no zero byte: letters and
 /// digits would have one each.
-fn utf16(bytes: &[u8]) -> Option<String> {
-    let (pairs, rest) = bytes.as_chunks::<2>();
-    let units = pairs.iter().map(|pair| u16::from_le_bytes(*pair));
-    let text = char::decode_utf16(units).collect::<Result<String, _>>();
-    let text = text.ok().filter(|_| rest.is_empty() && bytes.contains(&0))?;
-    Some(text.strip_prefix(MARK).unwrap_or(&text).to_string())
+fn utf16(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let bytes = bytes.strip_prefix(b"\xFF\xFE").unwrap_or(bytes);
+    let text = UTF_16LE.decode_without_bom_handling_and_without_replacement(bytes);
+    text.filter(|_| bytes.contains(&0))
 }
 
 /// The byte order mark.

@@ -4,7 +4,7 @@
 //! listed file has to be the one that was made. The manifest's `state` says for which reference,
 //! unit and axes, and which backlash parameter was named; its `machine` for which machine.
 
-use super::reading::{ActiveControl, Origin, backlash_of, problem, stated};
+use super::reading::{ActiveControl, Origin, backlash_of, problem};
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Profile, Role};

@@ -15,7 +15,8 @@ use crate::read::ReadBack;
 use crate::text::Finding;
 use crate::write::compensation::Compiled;
 
-/// Everything surplus, missing or contradictory.
+/// Everything surplus, missing or contradictory; what nobody can judge because the files for it are not there, and what
+/// the reader has to say.
 ///
 /// **limits** what `diagnosis` already explains is not told again; without a diagnosis (tables
 /// that cannot be emulated, whose reason is told elsewhere) only what is surplus is told of the
@@ -27,26 +28,21 @@ pub fn contents(
     diagnosis: Option<&Disagreements>,
 ) -> Vec<Finding> {
     let (family, wanted) = (family(&profile.dialect), &compiled.tables);
-    let mut found = match wanted == &read.tables {
+    let mut differences = match wanted == &read.tables {
         true => Vec::new(),
         false => {
             let entries = |tables, others| family.entries(&Side { tables, others, diagnosis });
             let own = entries(wanted, &read.tables);
             let got = entries(&read.tables, wanted);
-            differences(&own, &got, diagnosis.is_some())
+            of_entries(&own, &got, diagnosis.is_some())
         }
     };
     if !read.unwritten.is_empty() {
         let parameters = read.unwritten.clone();
-        found.push(Difference::NotWritten { parameters });
+        differences.push(Difference::NotWritten { parameters });
     }
-    found.extend(family.other_settings(compiled, read));
-    found.into_iter().map(Finding::from).collect()
-}
-
-/// What nobody can judge because the files for it are not there, and what to see to instead.
-pub fn absent(profile: &Profile, wanted: &Tables, read: &ReadBack) -> Vec<Finding> {
-    let mut found = family(&profile.dialect).absent_settings(wanted, read);
+    let mut found: Vec<Finding> = differences.into_iter().map(Finding::from).collect();
+    found.extend(family.beside(compiled, read));
     found.extend(read.notes.iter().cloned());
     found
 }
@@ -66,7 +62,7 @@ pub(crate) fn surroundings(before: &Before<'_>) -> Vec<Finding> {
 }
 
 /// What is surplus of a table, missing, and other; with `all` also the latter two.
-fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<Difference> {
+fn of_entries(wanted: &Entries, found: &Entries, all: bool) -> Vec<Difference> {
     let surplus = by_table(found, wanted, |entry| entry.alone).into_iter();
     let surplus = surplus.map(|(what, items)| Difference::Surplus { what, items });
     let mut differences: Vec<Difference> = surplus.collect();

@@ -12,6 +12,7 @@ use crate::quantity::{Axis, PerAxis, power_of_ten, rounded};
 use crate::read::fanuc::{merge, read_out};
 use crate::text::Problems;
 use crate::write::plan::Plan;
+use std::collections::BTreeSet;
 
 /// Functions whose parameters at 0 do nothing (docs/fanuc.md §2.1, §2.4).
 const IDLE_AT_ZERO: [(u32, u32); 5] =
@@ -128,9 +129,8 @@ impl Sorted<'_, '_> {
     /// Parameters of axes that the job does not have; their points are theirs.
     fn take_other_axes(&mut self) {
         let axes = self.memory.parameters.keys().filter_map(|key| key.axis);
-        let mut axes: Vec<u32> = axes.filter(|axis| !self.is_own(*axis)).collect();
-        axes.sort_unstable();
-        axes.dedup();
+        let mut axes: BTreeSet<u32> = axes.collect();
+        axes.retain(|axis| !self.is_own(*axis));
         for axis in axes {
             let points = self.points_of(axis);
             self.tell_shared_points(axis, &points);

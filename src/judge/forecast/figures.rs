@@ -11,7 +11,6 @@ use crate::judge::forecast::share::JudgedRange;
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, larger};
 use crate::text::Finding;
 use serde::Serialize;
-use std::mem::take;
 
 /// A figure as measured and as the tables leave it, µm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,14 +57,14 @@ pub struct TermForecast {
 /// Forecast along one body diagonal of the measured box: max − min of the deviation along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagonalForecast {
-    /// `PPP`, `NPP`, `PNP` or `PPN` (contract §2.2).
-    pub name: &'static str,
+    /// Which.
+    pub diagonal: Diagonal,
     /// max − min along it; u is that of a difference of two values on it, `None` if any of the nine is
     /// not stated.
     pub change: Change,
-    /// Half of max − min with the uncertainty of a value, at each place of a measured position, one where none is stated:
+    /// max − min with twice the uncertainty of a value, at each place of a measured position, one where none is stated:
     /// max − min keeps a limit where every value lies within half of it about the middle.
-    pub halves: Vec<Magnitude>,
+    pub figures: Vec<Magnitude>,
     /// What may be off beside that, µm.
     pub doubtful_um: f64,
 }
@@ -75,7 +74,7 @@ impl DiagonalForecast {
     /// that of the laser over its length, which is one error of all values; `largest_um` = how far max − min may be off,
     /// where that is known of all values drawn together; `doubtful_um` = what may be off beside that.
     pub(in crate::judge) fn new(
-        name: &'static str,
+        diagonal: Diagonal,
         [before_um, after_um]: [f64; 2],
         sigma: Sigma,
         u_um: &[f64],
@@ -83,32 +82,90 @@ impl DiagonalForecast {
         largest_um: Option<f64>,
         doubtful_um: f64,
     ) -> Self {
-        let half = |u_um: f64| Magnitude { um: after_um / 2.0, u_um: u_um.hypot(scale_um / 2.0) };
-        let mut halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
-        if halves.is_empty() {
-            halves.push(half(0.0));
+        let twice = |u_um: f64| Magnitude { um: after_um, u_um: 2.0 * u_um.hypot(scale_um / 2.0) };
+        let mut figures: Vec<Magnitude> = u_um.iter().copied().map(twice).collect();
+        if figures.is_empty() {
+            figures.push(twice(0.0));
         }
         let largest = u_um.iter().copied().reduce(larger);
         DiagonalForecast {
-            name,
+            diagonal,
             change: Change {
                 before_um,
                 after_um,
                 comparable_um: after_um,
                 u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
-                expanded_um: largest
-                    .map(|_| 2.0 * expanded_um(&halves, sigma, largest_um.map(|um| um / 2.0))),
+                expanded_um: largest.map(|_| expanded_um(&figures, sigma, largest_um)),
                 at_most_um: None,
             },
-            halves,
+            figures,
             doubtful_um,
         }
     }
+}
 
-    /// max − min as one figure, the difference of two values, with what is doubtful.
+/// What a figure is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// One error.
+    Term(ErrorTerm),
+    /// All errors.
+    Terms,
+    /// One body diagonal.
+    Diagonal(Diagonal),
+    /// All of them.
+    Diagonals,
+}
+
+/// A figure that is judged: of a term, or of a diagonal.
+#[derive(Clone, Copy)]
+pub(super) struct Own<'a> {
+    pub(super) of: Of,
+    pub(super) change: Change,
+    figures: &'a [Magnitude],
+    /// What may be off beside its uncertainty, µm.
+    doubtful_um: f64,
+    /// How far it may be off, where that is known of all values drawn together, µm.
+    largest_um: Option<f64>,
+}
+
+impl Own<'_> {
+    /// max − min of a diagonal as one figure, the difference of two values, with what is doubtful.
     fn difference(&self) -> Magnitude {
         let um = self.change.after_um + self.doubtful_um;
         Magnitude { um, u_um: self.change.u_um.unwrap_or(0.0) }
+    }
+}
+
+/// Figures that keep a limit together: one, those of all terms, or those of all diagonals.
+pub(super) struct Judged<'a> {
+    pub(super) of: Of,
+    pub(super) each: Vec<Own<'a>>,
+    /// How far the largest of them may be off, as of each.
+    largest_um: Option<f64>,
+}
+
+impl Judged<'_> {
+    /// Every value, with so many times what is doubtful beside it, none below 0.
+    fn shifted(&self, times: f64) -> Vec<Magnitude> {
+        let of = |own: &Own<'_>| {
+            let by_um = times * own.doubtful_um;
+            let shifted =
+                |figure: &Magnitude| Magnitude { um: (figure.um + by_um).max(0.0), ..*figure };
+            own.figures.iter().map(shifted).collect::<Vec<_>>()
+        };
+        self.each.iter().flat_map(of).collect()
+    }
+
+    /// The largest figure that is left, µm.
+    pub(super) fn left_um(&self) -> f64 {
+        self.each.iter().map(|own| own.change.after_um).fold(0.0, larger)
+    }
+}
+
+impl<'a> From<Own<'a>> for Judged<'a> {
+    fn from(own: Own<'a>) -> Judged<'a> {
+        Judged { of: own.of, each: vec![own], largest_um: own.largest_um }
     }
 }
 
@@ -169,25 +226,9 @@ pub(crate) struct Missed {
 }
 
 impl Missed {
-    fn new(
-        name: String,
-        diagonal: Option<Diagonal>,
-        change: Change,
-        [at_most_um, u_um]: [f64; 2],
-        basis: Basis,
-    ) -> Missed {
-        let parts_um = match (basis, change.at_most_um) {
-            (Basis::Measured, Some(own_um)) => own_um - change.after_um,
-            _ => u_um,
-        };
-        let (limit_um, verdict) = (f64::INFINITY, Verdict::Pass);
-        Missed { name, diagonal, change, at_most_um, u_um, parts_um, limit_um, verdict }
-    }
-
     /// What the largest of its kind is at most in other figures, µm.
     pub(crate) fn of(&self, figures: &Forecast) -> Option<f64> {
-        let worst = self.diagonal.map_or_else(|| figures.worst(), |_| figures.worst_diagonal());
-        worst.map(|worst| worst.at_most_um)
+        figures.at_most_um(&self.kind(figures))
     }
 
     /// What is doubtful of all of its kind in other figures, µm.
@@ -198,7 +239,12 @@ impl Missed {
 
     /// What is left of the largest of its kind in other figures, µm.
     pub(crate) fn left_of(&self, figures: &Forecast) -> f64 {
-        self.diagonal.map_or_else(|| figures.max_residual_um(), |_| figures.max_range_um())
+        self.kind(figures).left_um()
+    }
+
+    /// All figures of its kind.
+    fn kind<'a>(&self, figures: &'a Forecast) -> Judged<'a> {
+        self.diagonal.map_or_else(|| figures.all_terms(), |_| figures.all_diagonals())
     }
 
     /// Parts of a variance as parts of the uncertainty in µm, the largest first; without what no printed digit shows.
@@ -212,21 +258,41 @@ impl Missed {
 }
 
 impl Forecast {
-    /// Largest residual of all measured terms, µm.
-    pub fn max_residual_um(&self) -> f64 {
-        let all = self.terms.iter().map(|term| term.change.after_um);
-        all.fold(0.0, larger)
+    /// Every term.
+    pub(super) fn all_terms(&self) -> Judged<'_> {
+        let each = self.terms.iter().map(|own| Own {
+            of: Of::Term(own.term),
+            change: own.change,
+            figures: &own.figures,
+            doubtful_um: self.doubtful.terms[own.term],
+            largest_um: self.together().map(|largest| largest.single.terms[own.term]),
+        });
+        let largest_um = self.together().map(|largest| largest.all_um);
+        Judged { of: Of::Terms, each: each.collect(), largest_um }
     }
 
-    /// Largest max − min along the diagonals, µm.
-    pub(super) fn max_range_um(&self) -> f64 {
-        self.diagonals.iter().map(|d| d.change.after_um).fold(0.0, larger)
+    /// Every diagonal.
+    pub(super) fn all_diagonals(&self) -> Judged<'_> {
+        let each = self.diagonals.iter().map(|own| Own {
+            of: Of::Diagonal(own.diagonal),
+            change: own.change,
+            figures: &own.figures,
+            doubtful_um: own.doubtful_um,
+            largest_um: self.together().map(|largest| largest.single.diagonals[own.diagonal]),
+        });
+        let largest_um = self.together().map(|largest| largest.ranges_um);
+        Judged { of: Of::Diagonals, each: each.collect(), largest_um }
+    }
+
+    /// Largest residual of all measured terms, µm.
+    pub fn max_residual_um(&self) -> f64 {
+        self.all_terms().left_um()
     }
 
     /// The figures of a term or a diagonal of this name.
     pub(crate) fn change(&self, name: &str) -> Option<Change> {
         let term = self.terms.iter().find(|t| t.term.to_string() == name);
-        let diagonal = self.diagonals.iter().find(|d| d.name == name);
+        let diagonal = self.diagonals.iter().find(|d| d.diagonal.name() == name);
         term.map(|t| t.change).or(diagonal.map(|d| d.change))
     }
 
@@ -236,7 +302,8 @@ impl Forecast {
     ///        measured; where only steps make a figure larger, the finding says so
     pub fn worsened(&self) -> Vec<Finding> {
         let terms = self.terms.iter().map(|t| (t.term.to_string(), t.change));
-        let diagonals = self.diagonals.iter().map(|d| (format!("diagonal {}", d.name), d.change));
+        let diagonals =
+            self.diagonals.iter().map(|d| (format!("diagonal {}", d.diagonal), d.change));
         let worsened = |(what, change): (String, Change)| {
             let (before_um, after_um) = (change.before_um, change.after_um);
             let larger = |um: f64| um > before_um + SHOWN_UM;
@@ -251,61 +318,64 @@ impl Forecast {
         terms.chain(diagonals).filter_map(worsened).collect()
     }
 
-    /// What is left of all terms, at every measured position, so many times what is doubtful beside it.
-    fn shifted(&self, times: f64) -> Vec<Magnitude> {
-        let of =
-            |term: &TermForecast| shifted(&term.figures, times * self.doubtful.terms[term.term]);
-        self.terms.iter().flat_map(of).collect()
-    }
-
     /// U of [`Forecast::max_residual_um`], the largest of all terms, with 95 %, µm; `None` = no
     /// uncertainty is stated.
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
         let all_um = self.largest.as_ref().map(|largest| largest.all_um);
-        stated.then(|| expanded_um(&self.shifted(0.0), self.sigma, all_um))
+        stated.then(|| expanded_um(&self.all_terms().shifted(0.0), self.sigma, all_um))
     }
 
     /// What all terms together are at most, with 95 %, µm; `None` = no uncertainty is stated.
     pub(crate) fn all_at_most_um(&self) -> Option<f64> {
-        let doubtful = &self.doubtful.terms;
-        let stated = self.terms.iter().any(|term| term.change.is_bounded(doubtful[term.term]));
-        let all_um = self.together().map(|largest| largest.all_um);
-        stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
+        self.at_most_um(&self.all_terms())
     }
 
     /// What does not keep its limit, errors first; `None` = all is kept, or no uncertainty is stated.
     pub(crate) fn missed(&self, asked: Acceptance) -> Option<Missed> {
-        let of_errors = asked.max_deviation_um.and_then(|limit_um| {
-            let verdict = self.judge_all(limit_um);
-            Some(Missed { limit_um, verdict, ..self.worst()? })
+        let all = [
+            (asked.max_deviation_um, self.all_terms()),
+            (asked.max_diagonal_um, self.all_diagonals()),
+        ];
+        let mut missed = all.into_iter().filter_map(|(limit_um, all)| {
+            let verdict = self.judge(&all, limit_um?);
+            Some(Missed { limit_um: limit_um?, verdict, ..self.worst_of(&all)? })
         });
-        let of_diagonals = asked.max_diagonal_um.and_then(|limit_um| {
-            let verdict = self.judge_diagonals(&self.diagonals, limit_um);
-            Some(Missed { limit_um, verdict, ..self.worst_diagonal()? })
-        });
-        let mut missed = [of_errors, of_diagonals].into_iter().flatten();
         missed.find(|missed| missed.verdict != Verdict::Pass)
     }
 
     /// The error that is at most most, whatever the limit is.
     pub(crate) fn worst(&self) -> Option<Missed> {
-        let at_most = |term: &&TermForecast| term.change.at_most_um.unwrap_or(0.0);
-        let stated = self.terms.iter().filter(|term| term.change.at_most_um.is_some());
-        let worst = stated.max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
-        let (own, at_most_um) = (worst.change, self.all_at_most_um()?);
-        let u_um = at_most_um - largest_um(&self.shifted(1.0));
-        Some(Missed::new(worst.term.to_string(), None, own, [at_most_um, u_um], self.basis))
+        self.worst_of(&self.all_terms())
     }
 
-    fn worst_diagonal(&self) -> Option<Missed> {
-        let (all, at_most_um) = (|| self.diagonals.iter(), self.ranges_at_most_um()?);
-        let at_most = |d: &&DiagonalForecast| d.change.at_most_um.unwrap_or(0.0);
-        let worst = all().max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
-        let left = all().map(|d| d.change.after_um + d.doubtful_um).fold(0.0, larger);
-        let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == worst.name);
-        let (name, both) = (worst.name.to_string(), [at_most_um, at_most_um - left]);
-        Some(Missed::new(name, diagonal, worst.change, both, self.basis))
+    /// The figure that is at most most.
+    fn worst_of(&self, all: &Judged<'_>) -> Option<Missed> {
+        let at_most_um = self.at_most_um(all)?;
+        let stated = all.each.iter().filter(|own| own.change.at_most_um.is_some());
+        let at_most = |own: &&Own<'_>| own.change.at_most_um.unwrap_or(0.0);
+        let Own { of, change, .. } = stated.max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
+        let u_um = at_most_um - largest_um(&all.shifted(1.0));
+        let parts_um = match (self.basis, change.at_most_um) {
+            (Basis::Measured, Some(own_um)) => own_um - change.after_um,
+            _ => u_um,
+        };
+        let (name, diagonal) = match of {
+            Of::Term(term) => (term.to_string(), None),
+            Of::Diagonal(diagonal) => (diagonal.to_string(), Some(*diagonal)),
+            Of::Terms | Of::Diagonals => return None,
+        };
+        let (limit_um, verdict) = (f64::INFINITY, Verdict::Pass);
+        Some(Missed {
+            name,
+            diagonal,
+            change: *change,
+            at_most_um,
+            u_um,
+            parts_um,
+            limit_um,
+            verdict,
+        })
     }
 
     /// What is known of all values drawn together: how far what is left may be off, or what was measured.
@@ -316,98 +386,56 @@ impl Forecast {
         }
     }
 
-    /// What figures are at most, with 95 %.
+    /// What figures are at most, with 95 %, µm; `None` = no uncertainty is stated.
     ///
     /// formula  forecast: largest + U; measured: each by itself; what is drawn together instead where it is known
-    fn at_most_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
+    pub(super) fn at_most_um(&self, all: &Judged<'_>) -> Option<f64> {
+        let stated = all.each.iter().any(|own| own.change.is_bounded(own.doubtful_um));
+        stated.then(|| self.bound_um(&all.shifted(1.0), all.largest_um))
+    }
+
+    fn bound_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
         match self.basis {
             Basis::Forecast => largest_um(figures) + expanded_um(figures, self.sigma, together_um),
             Basis::Measured => measured_at_most_um(figures, self.sigma, together_um),
         }
     }
 
-    /// What max − min of every diagonal is at most, with 95 %, µm; `None` = no uncertainty is stated.
-    pub(super) fn ranges_at_most_um(&self) -> Option<f64> {
-        let stated = self.diagonals.iter().any(|d| d.change.is_bounded(d.doubtful_um));
-        let ranges_um = self.together().map(|largest| largest.ranges_um / 2.0);
-        stated.then(|| 2.0 * self.at_most_um(&halves(&self.diagonals, 1.0), ranges_um))
-    }
-
     /// With what each figure is at most.
     pub(in crate::judge) fn bounded(mut self, basis: Basis) -> Forecast {
         self.basis = basis;
-        let (mut terms, mut diagonals) = (take(&mut self.terms), take(&mut self.diagonals));
-        for TermForecast { term, change, figures, .. } in &mut terms {
-            let together_um = self.together().map(|of| of.single.terms[*term]);
-            let doubtful_um = self.doubtful.terms[*term];
-            let at_most_um = || self.at_most_um(&shifted(figures, doubtful_um), together_um);
-            change.at_most_um = change.is_bounded(doubtful_um).then(at_most_um);
-        }
-        for d in &mut diagonals {
-            let largest_um = self.range_um(d.name);
-            let is_bounded = d.change.is_bounded(d.doubtful_um);
-            d.change.at_most_um = is_bounded.then(|| match basis {
-                Basis::Forecast => {
-                    let halves = halves(std::slice::from_ref(d), 1.0);
-                    2.0 * self.at_most_um(&halves, largest_um.map(|um| um / 2.0))
-                }
-                Basis::Measured => self.at_most_um(&[d.difference()], largest_um),
-            });
-        }
-        Forecast { terms, diagonals, ..self }
-    }
-
-    /// How far max − min along a diagonal of this name may be off.
-    fn range_um(&self, name: &str) -> Option<f64> {
-        let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == name)?;
-        self.together().map(|largest| largest.single.diagonals[diagonal])
-    }
-
-    /// `figures`: with so many times what is doubtful; `largest_um`: how far their largest error lies off, where that is
-    /// known of all together.
-    fn judge(
-        &self,
-        figures: impl Fn(f64) -> Vec<Magnitude>,
-        largest_um: Option<f64>,
-        limit_um: f64,
-    ) -> Verdict {
-        let judged = |times| match self.basis {
-            Basis::Forecast => judge_forecast(&figures(times), self.sigma, largest_um, limit_um),
-            Basis::Measured => judge_measured(&figures(times), self.sigma, largest_um, limit_um),
+        let bound = |own: &Own<'_>| match (own.of, basis) {
+            (Of::Diagonal(_), Basis::Measured) => {
+                let is_bounded = own.change.is_bounded(own.doubtful_um);
+                is_bounded.then(|| self.bound_um(&[own.difference()], own.largest_um))
+            }
+            _ => self.at_most_um(&Judged::from(*own)),
         };
-        match judged(1.0) {
+        let [terms, diagonals] = [self.all_terms(), self.all_diagonals()]
+            .map(|all| all.each.iter().map(bound).collect::<Vec<_>>());
+        let terms = self.terms.iter_mut().map(|own| &mut own.change).zip(terms);
+        let diagonals = self.diagonals.iter_mut().map(|own| &mut own.change).zip(diagonals);
+        terms.chain(diagonals).for_each(|(change, um)| change.at_most_um = um);
+        self
+    }
+
+    /// Figures of a forecast are judged together. Those of a measured diagonal pass on the difference of its two extreme
+    /// values and fail on all its values.
+    pub(super) fn judge(&self, all: &Judged<'_>, limit_um: f64) -> Verdict {
+        let (sigma, largest_um) = (self.sigma, all.largest_um);
+        let judged = |times| match self.basis {
+            Basis::Forecast => judge_forecast(&all.shifted(times), sigma, largest_um, limit_um),
+            Basis::Measured => judge_measured(&all.shifted(times), sigma, largest_um, limit_um),
+        };
+        let together = match judged(1.0) {
             Verdict::Pass => Verdict::Pass,
             _ => judged(-1.0).max(Verdict::Undecided),
-        }
-    }
-
-    /// Every term together.
-    pub(super) fn judge_all(&self, limit_um: f64) -> Verdict {
-        let largest_um = self.together().map(|largest| largest.all_um);
-        self.judge(|times| self.shifted(times), largest_um, limit_um)
-    }
-
-    /// One term.
-    pub(super) fn judge_term(&self, term: &TermForecast, limit_um: f64) -> Verdict {
-        let largest_um = self.together().map(|largest| largest.single.terms[term.term]);
-        let doubtful_um = self.doubtful.terms[term.term];
-        self.judge(|times| shifted(&term.figures, times * doubtful_um), largest_um, limit_um)
-    }
-
-    /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
-    /// two extreme values and fails on all its values.
-    pub(super) fn judge_diagonals(&self, diagonals: &[DiagonalForecast], limit_um: f64) -> Verdict {
-        let largest_um = match diagonals {
-            [one] => self.range_um(one.name),
-            _ => self.together().map(|largest| largest.ranges_um),
         };
-        let half_um = largest_um.map(|um| um / 2.0);
-        let together = self.judge(|times| halves(diagonals, times), half_um, limit_um / 2.0);
-        if self.basis == Basis::Forecast {
+        if self.basis == Basis::Forecast || matches!(all.of, Of::Term(_) | Of::Terms) {
             return together;
         }
-        let differences: Vec<Magnitude> = diagonals.iter().map(|d| d.difference()).collect();
-        match judge_measured(&differences, self.sigma, largest_um, limit_um) {
+        let differences: Vec<Magnitude> = all.each.iter().map(Own::difference).collect();
+        match judge_measured(&differences, sigma, largest_um, limit_um) {
             Verdict::Pass => Verdict::Pass,
             _ => together.max(Verdict::Undecided),
         }
@@ -417,11 +445,11 @@ impl Forecast {
     pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
         let unsaid = !self.silence.not_stated.is_empty();
         let unsaid = if unsaid { Verdict::Undecided } else { Verdict::Pass };
-        let judged = |limit| self.judge_all(limit).max(unsaid);
+        let judged = |limit| self.judge(&self.all_terms(), limit).max(unsaid);
         let terms = acceptance.max_deviation_um.map(judged);
         let diagonals = acceptance.max_diagonal_um.map(|limit| match self.diagonals.is_empty() {
             true => Verdict::Undecided,
-            false => self.judge_diagonals(&self.diagonals, limit),
+            false => self.judge(&self.all_diagonals(), limit),
         });
         let judged = [terms, diagonals].into_iter().flatten().max();
         let short = judged.is_some() && !self.ranges.iter().all(JudgedRange::is_known);
@@ -435,15 +463,3 @@ const SHOWN_UM: f64 = 0.001;
 
 /// What the printed digits do not show is no part, µm.
 const SHARE_UM: f64 = 0.005;
-
-/// Half of max − min at all places of diagonals, with so many times what is doubtful.
-fn halves(diagonals: &[DiagonalForecast], times: f64) -> Vec<Magnitude> {
-    let of = |d: &DiagonalForecast| shifted(&d.halves, times * d.doubtful_um / 2.0);
-    diagonals.iter().flat_map(of).collect()
-}
-
-/// Figures with so much more, none below 0.
-fn shifted(figures: &[Magnitude], by_um: f64) -> Vec<Magnitude> {
-    let of = |figure: &Magnitude| Magnitude { um: (figure.um + by_um).max(0.0), ..*figure };
-    figures.iter().map(of).collect()
-}

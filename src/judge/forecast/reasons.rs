@@ -1,8 +1,9 @@
 //! What a verdict is made of, as facts: the errors that were judged, what that rests on, what does not keep a
 //! limit. In words they are the sentences of the command line and of the JSON; a page makes its own lines of them.
 
+use super::figures::{Judged, Of, Own};
 use super::share::{self, JudgedRange};
-use super::{Change, DiagonalForecast, Forecast, TermForecast};
+use super::{Change, Forecast};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Job};
 use crate::judge::conformity::Verdict;
@@ -51,19 +52,6 @@ pub enum RestsOn {
     Unused(Vec<&'static str>),
     /// Body diagonals are asked for, and an error is missing or measured in one direction only.
     NineNeeded,
-}
-
-/// What a figure is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
-    /// One error.
-    Term(ErrorTerm),
-    /// All errors.
-    Terms,
-    /// One body diagonal.
-    Diagonal(&'static str),
-    /// All of them.
-    Diagonals,
 }
 
 /// Why an acceptance is not kept for sure.
@@ -125,28 +113,35 @@ impl Forecast {
         let limit = acceptance.max_deviation_um;
         let unsaid = self.silence.not_stated.iter().filter(|_| limit.is_some());
         let unsaid = unsaid.copied().map(Miss::NotStated);
-        let terms = unsaid.chain(limit.iter().flat_map(|limit| self.terms_missing(*limit)));
+        let terms = limit.iter().flat_map(|limit| self.missing(&self.all_terms(), *limit));
+        let terms = unsaid.chain(terms);
         let diagonals = acceptance.max_diagonal_um.iter().filter(|_| !self.diagonals.is_empty());
-        let diagonals = diagonals.flat_map(|limit| self.diagonals_missing(*limit));
+        let diagonals = diagonals.flat_map(|limit| self.missing(&self.all_diagonals(), *limit));
         let asked = !acceptance.asks_nothing();
         let ranges = self.ranges.iter().filter(|range| asked && !range.is_known());
         terms.chain(diagonals).chain(ranges.cloned().map(Miss::Range)).collect()
     }
 
-    fn terms_missing(&self, limit_um: f64) -> Vec<Miss> {
-        let one =
-            |own: &TermForecast| (Of::Term(own.term), own.change, self.judge_term(own, limit_um));
-        let all = || (Of::Terms, self.max_residual_um(), self.all_at_most_um());
-        missing(limit_um, self.terms.iter().map(one), || self.judge_all(limit_um), all)
-    }
-
-    fn diagonals_missing(&self, limit_um: f64) -> Vec<Miss> {
-        let judge = |diagonals: &[DiagonalForecast]| self.judge_diagonals(diagonals, limit_um);
-        let one = |own: &DiagonalForecast| {
-            (Of::Diagonal(own.name), own.change, judge(std::slice::from_ref(own)))
+    /// The figures that miss a limit by themselves; where none does, whether all together do, whose U takes long
+    /// and is asked for only then.
+    fn missing(&self, all: &Judged<'_>, limit_um: f64) -> Vec<Miss> {
+        let figure =
+            |of, um, at_most_um, verdict| Miss::Figure { of, um, at_most_um, limit_um, verdict };
+        let missed = |all: &Judged<'_>| {
+            Some(self.judge(all, limit_um)).filter(|verdict| *verdict != Verdict::Pass)
         };
-        let all = || (Of::Diagonals, self.max_range_um(), self.ranges_at_most_um());
-        missing(limit_um, self.diagonals.iter().map(one), || judge(&self.diagonals), all)
+        let one = |own: &Own<'_>| {
+            let Change { after_um, at_most_um, .. } = own.change;
+            Some(figure(own.of, after_um, at_most_um, missed(&Judged::from(*own))?))
+        };
+        let singly: Vec<Miss> = all.each.iter().filter_map(one).collect();
+        if !singly.is_empty() {
+            return singly;
+        }
+        let together = missed(all);
+        let together =
+            together.map(|verdict| figure(all.of, all.left_um(), self.at_most_um(all), verdict));
+        together.into_iter().collect()
     }
 
     /// What a verdict rests on, and what it does not count.
@@ -191,28 +186,6 @@ impl Forecast {
         let all = without.len() == self.terms.len();
         (!without.is_empty()).then(|| RestsOn::WithoutU(if all { Vec::new() } else { without }))
     }
-}
-
-/// The figures that miss a limit by themselves; where none does, whether all together do, whose U takes long
-/// and is asked for only then.
-fn missing(
-    limit_um: f64,
-    each: impl Iterator<Item = (Of, Change, Verdict)>,
-    together: impl Fn() -> Verdict,
-    all: impl Fn() -> (Of, f64, Option<f64>),
-) -> Vec<Miss> {
-    let figure =
-        |(of, um, at_most_um), verdict| Miss::Figure { of, um, at_most_um, limit_um, verdict };
-    let missed = |verdict: &Verdict| *verdict != Verdict::Pass;
-    let singly = each.filter(|(.., verdict)| missed(verdict));
-    let singly =
-        singly.map(|(of, own, verdict)| figure((of, own.after_um, own.at_most_um), verdict));
-    let singly: Vec<Miss> = singly.collect();
-    if !singly.is_empty() {
-        return singly;
-    }
-    let together = Some(together()).filter(missed);
-    together.map(|verdict| figure(all(), verdict)).into_iter().collect()
 }
 
 /// Which errors a verdict speaks of.

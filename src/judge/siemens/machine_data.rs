@@ -63,13 +63,14 @@ fn memory(wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned> {
     wanted.tables.iter().filter(is_set).map(own).collect()
 }
 
-/// What files set that the job does not own, and what they do not set though they should.
-pub(super) fn differences(
+/// What files set that the job does not own, and what they do not set though they should; where a file is not there (or
+/// a profile of one's own leaves it out), the data to see to by hand.
+pub(super) fn beside(
     wanted: &SiemensTables,
     stale: &[String],
     files: &[FileData],
     facts: &SiemensFacts,
-) -> Vec<Difference> {
+) -> Vec<Finding> {
     let switches_off = |datum: &MachineDatum| {
         let ends = format!(" {}", datum.variable);
         datum.value == MachineValue::Number(0.0) && stale.iter().any(|own| own.ends_with(&ends))
@@ -85,17 +86,23 @@ pub(super) fn differences(
             foreign.map(|MachineDatum { variable, value }| format!("{variable} = {value}"));
         let data: Vec<String> = foreign.collect();
         let file = file.path.clone();
-        (!data.is_empty()).then_some(Difference::SetsMore { file, data })
+        (!data.is_empty()).then(|| Difference::SetsMore { file, data }.into())
     });
-    let mut found: Vec<Difference> = foreign.collect();
-    for (role, _, _, not) in TASKS {
+    let (mut found, mut absent): (Vec<Finding>, _) = (foreign.collect(), Vec::new());
+    for (role, does, value, not) in TASKS {
+        let owned = owned(role, wanted, facts);
         let of_role: Vec<&FileData> = files.iter().filter(|file| file.role == role).collect();
-        if !of_role.is_empty() {
+        if of_role.is_empty() {
+            let data = owned.iter().map(|own| format!("{} ${}{value}", own.datum.0, own.datum.1));
+            let mut data: Vec<String> = data.collect();
+            data.dedup();
+            absent.extend((!data.is_empty()).then(|| InControl::NoFile { does, data }.into()));
+        } else {
             let data: Vec<&MachineDatum> = of_role.iter().flat_map(|file| &file.data).collect();
-            found.extend(wrong(not, &owned(role, wanted, facts), &data));
+            found.extend(wrong(not, &owned, &data).into_iter().map(Finding::from));
         }
     }
-    found
+    found.into_iter().chain(absent).collect()
 }
 
 /// Once for all data that stand alike.
@@ -111,27 +118,6 @@ fn wrong(task: &'static str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<Dif
     }));
     let not_set = |(stands, data)| Difference::NotSet { task, data, stands };
     groups.into_iter().map(not_set).collect()
-}
-
-/// Files that are not there (or that a profile of one's own leaves out), and the data to see to
-/// by hand.
-pub(super) fn absent(
-    wanted: &SiemensTables,
-    files: &[FileData],
-    facts: &SiemensFacts,
-) -> Vec<Finding> {
-    let found = |(role, does, value, _): (Role, &'static str, &str, &str)| {
-        if files.iter().any(|file| file.role == role) {
-            return None;
-        }
-        let data = owned(role, wanted, facts);
-        let data =
-            data.iter().map(|Owned { datum, .. }| format!("{} ${}{value}", datum.0, datum.1));
-        let mut data: Vec<String> = data.collect();
-        data.dedup();
-        (!data.is_empty()).then(|| InControl::NoFile { does, data }.into())
-    };
-    TASKS.into_iter().filter_map(found).collect()
 }
 
 // Machine and setting data of the compensation: number and name of each, and which of them switch a table.

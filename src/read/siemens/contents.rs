@@ -354,17 +354,16 @@ pub(super) fn concern(text: &str, line: &Range<usize>) -> (Concern, Range<usize>
     let mut cursor = Cursor::new(text, code.clone(), BLANKS);
     cursor.peek_word();
     block_number(&mut cursor);
-    let found = match cursor.peek_word() {
-        None => Concern::Nothing,
-        Some('$') => assignment(&mut cursor),
-        Some(_) => word(&mut cursor),
+    cursor.peek_word();
+    let whole = cursor.text(cursor.rest());
+    let found = match cursor.eat("$") {
+        Some(_) => assignment(&mut cursor, whole),
+        None => word(whole),
     };
     (found, code)
 }
 
-fn assignment(cursor: &mut Cursor<'_>) -> Concern {
-    let whole = cursor.text(cursor.rest());
-    cursor.at += 1;
+fn assignment(cursor: &mut Cursor<'_>, whole: &str) -> Concern {
     let name = take_word(cursor);
     // Of the reference point values the first alone: the others are for further reference cams.
     let is_other_cam = || {
@@ -384,9 +383,8 @@ fn assignment(cursor: &mut Cursor<'_>) -> Concern {
     }
 }
 
-fn word(cursor: &mut Cursor<'_>) -> Concern {
+fn word(whole: &str) -> Concern {
     const LONGEST: usize = 6;
-    let whole = cursor.text(cursor.rest());
     if whole.len() > LONGEST {
         return mentions_data(whole);
     }

@@ -57,7 +57,7 @@ pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
     let place = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
     for diagonal in &case.kit.forecast.diagonals {
         let sign = |letter| if letter == 'P' { 1.0 } else { -1.0 };
-        let signs: Vec<f64> = diagonal.name.chars().map(sign).collect();
+        let signs: Vec<f64> = diagonal.diagonal.name().chars().map(sign).collect();
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for reverse in [false, true] {
             // Of every term: cosine, its place, and the response in the direction of the walk.
@@ -94,7 +94,7 @@ pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
             let is_linear = machine.kind == Interpolation::Linear;
             let near = if is_linear { 1e-3 } else { 0.05 * said + 0.02 };
             let is_near = (seen - DUST_UM..=seen + near).contains(said);
-            assert!(is_near, "{}: said {said}, seen {seen}", diagonal.name);
+            assert!(is_near, "{}: said {said}, seen {seen}", diagonal.diagonal);
         }
     }
 }

@@ -137,7 +137,7 @@ impl Case {
             seen.is_forecast(&what, after, of.change.after_um);
         }
         for of in &kit.forecast.diagonals {
-            let left = left_along_diagonal(machine, cycles, of.name);
+            let left = left_along_diagonal(machine, cycles, of.diagonal.name());
             let what = format!("{}: {}", machine.name, of.name);
             seen.is_forecast(&what, left, of.change.after_um);
         }
