@@ -60,15 +60,11 @@ impl Family for FanucFacts {
             let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
             let in_state = names.iter().all(in_state).then_some(true);
             let held = interpolated(memory, names).or(in_state);
-            if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
-                if held.is_some_and(|held| held != settings.is_interpolated()) {
-                    turned.extend(names.iter().cloned());
-                }
-                continue;
-            }
-            settings.interpolated = held;
-            if settings.interpolated == Some(true) {
-                axes.extend(names.iter().cloned());
+            if settings.interpolated.is_none() && settings.parameter_3605.is_none() {
+                settings.interpolated = held;
+                axes.extend(names.iter().filter(|_| held == Some(true)).cloned());
+            } else if held.is_some_and(|held| held != settings.is_interpolated()) {
+                turned.extend(names.iter().cloned());
             }
         }
         let taken = (!axes.is_empty()).then_some(InSum::Interpolated { axes });

@@ -133,7 +133,7 @@ fn file(
     let drafts = std::mem::take(&mut reading.drafts);
     let mut tables = Vec::new();
     for draft in drafts {
-        match draft.table(facts) {
+        match draft.table() {
             Ok(table) => tables.push(table),
             Err(complaint) => reading.complaints.push(complaint),
         }
@@ -226,7 +226,7 @@ struct Reading<'a> {
     set_before: Option<&'a str>,
     /// Whether the lines are of something else.
     is_other: bool,
-    drafts: Vec<Draft>,
+    drafts: Vec<Draft<'a>>,
     complaints: Vec<Complaint>,
 }
 
@@ -305,10 +305,9 @@ impl Reading<'_> {
         let at = self.drafts.iter().position(|draft| draft.is_of(&own));
         let at = at.unwrap_or(self.drafts.len());
         if at == self.drafts.len() {
-            self.drafts.push(Draft::new(line.clone()));
+            self.drafts.push(Draft::new(self.facts, line.clone()));
         }
-        let most = self.facts.points.value as usize;
-        let taken = self.drafts[at].take(text, (line, own), fields, most);
+        let taken = self.drafts[at].take(text, (line, own), fields);
         self.complaints.extend(taken.err());
     }
 

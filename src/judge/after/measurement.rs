@@ -148,11 +148,8 @@ pub(crate) fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec
     match after {
         AfterMeasurement::Diagonals(runs) => along_diagonals(before, runs),
         AfterMeasurement::Errors(model) => {
-            let mut seen = Vec::new();
-            for (zero, (term, measured)) in model.measured().enumerate() {
-                of_term(before, model, (term, measured), zero, &mut seen);
-            }
-            seen
+            let terms = model.measured().enumerate();
+            terms.flat_map(|(zero, own)| of_term(before, model, own, zero)).collect()
         }
     }
 }
@@ -162,15 +159,14 @@ fn of_term(
     after: &ErrorModel,
     (term, measured): (ErrorTerm, &MeasuredTerm),
     zero: usize,
-    seen: &mut Vec<Observation>,
-) {
+) -> Vec<Observation> {
+    let mut seen = Vec::new();
     let Some(first) = &before.terms[term] else {
-        return;
+        return seen;
     };
     let ways = measured.measured.ways();
     let u_um = after.u_anew_um(before, term);
     for (number, (way, curve)) in ways.enumerate() {
-        seen.reserve_exact(curve.knots().len());
         for at in curve.knots() {
             let parts = parts_of(term, first, way, *at);
             if let Some(found_um) = found_um(before, &parts) {
@@ -187,6 +183,7 @@ fn of_term(
             }
         }
     }
+    seen
 }
 
 /// Σ (weight · u)² over the errors that a value sees; parts of one term move together.

@@ -88,9 +88,7 @@ impl Sorted<'_, '_> {
             let magnification = self.facts.straightness_magnification_parameter.value + index;
             let start = self.facts.straightness_start_parameter.value + index;
             if moving != 0 {
-                let is_idle = self.memory.count(magnification, None) == Some(0);
-                let first = self.memory.count(start, None);
-                self.take_set_of_others(index + 1, [moving, shifted], is_idle, first);
+                self.take_set_of_others(index + 1, [moving, shifted], [magnification, start]);
             }
             let mut numbers = vec![5711 + index, 5721 + index, magnification, start];
             if self.facts.straightness_form.value == StraightnessForm::FourPoint {
@@ -102,13 +100,8 @@ impl Sorted<'_, '_> {
     }
 
     /// A set in use of which an axis is none of the job, and its points where it has some.
-    fn take_set_of_others(
-        &mut self,
-        set: u32,
-        [moving, shifted]: [u32; 2],
-        is_idle: bool,
-        start: Option<u32>,
-    ) {
+    fn take_set_of_others(&mut self, set: u32, [moving, shifted]: [u32; 2], own: [u32; 2]) {
+        let [magnification, start] = own.map(|number| self.memory.count(number, None));
         self.reading.active.others.sets.push(set);
         let what = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
         let of_moving = |number| self.memory.count(number, Some(moving));
@@ -118,7 +111,7 @@ impl Sorted<'_, '_> {
             let last = first.saturating_add(last.saturating_sub(own));
             self.reading.active.others.points.push(NumberRange { first, last });
         }
-        let follows = self.reading.judges() && self.is_own(shifted) && !is_idle;
+        let follows = self.reading.judges() && self.is_own(shifted) && magnification != Some(0);
         let (moving, axes) = (moving.to_string(), "axes");
         self.reading.tell(match follows {
             true => InControl::Follows { what, moving },

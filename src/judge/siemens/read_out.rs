@@ -30,12 +30,9 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
         let tables = all.idle.clone();
         reading.tell(InControl::Idle { tables });
     }
-    let mut held = all.tables.clone();
-    held.data.retain(|own| !(is_switch(&own.variable) && all.twice.contains(&own.variable)));
-    let mut sorted = Sorted { reading, all, held };
-    for variable in std::mem::take(&mut sorted.all.twice) {
-        sorted.several_values(variable);
-    }
+    let mut sorted = Sorted { reading, all };
+    let twice = std::mem::take(&mut sorted.all.twice);
+    twice.iter().for_each(|variable| sorted.several_values(variable.clone()));
     sorted.tell_programs(reads_programs);
     let tables = sorted.tables();
     sorted.tell_what_was_not_read_out();
@@ -43,7 +40,9 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
     sorted.tell_references(unit);
     let backlash = sorted.reading.backlash(|axis, name| sorted.backlash(axis, name));
     sorted.reading.active.held_backlash = backlash;
-    sorted.reading.found(Tables::Siemens(tables), Tables::Siemens(sorted.held));
+    let mut held = sorted.all.tables;
+    held.data.retain(|own| !(is_switch(&own.variable) && twice.contains(&own.variable)));
+    sorted.reading.found(Tables::Siemens(tables), Tables::Siemens(held));
     sorted.reading.check_unit(unit);
     Ok(())
 }
@@ -91,8 +90,6 @@ fn tell_units(reading: &mut ReadOutReader<'_>, name: &str, units: &[ControlUnit]
 pub(super) struct Sorted<'a, 'b> {
     pub(super) reading: &'a mut ReadOutReader<'b>,
     pub(super) all: SiemensContents,
-    /// Without switches of which the files hold several values.
-    pub(super) held: SiemensTables,
 }
 
 impl Sorted<'_, '_> {
@@ -231,7 +228,7 @@ impl Sorted<'_, '_> {
         if !self.reading.judges() {
             // `verify` compares with what the job asks for.
             let unit = self.reading.job.compensation.control_unit;
-            for finding in cec_limits(&self.held, &own, unit) {
+            for finding in cec_limits(&self.all.tables, &own, unit) {
                 self.reading.tell(finding);
             }
         }
@@ -373,12 +370,13 @@ impl Sorted<'_, '_> {
     }
 
     fn is_reserved(&self, place: &Place) -> bool {
-        self.held.reserved.contains(&place.to_string())
+        self.all.tables.reserved.contains(&place.to_string())
     }
 
-    /// Both tables that an axis of the control may have in ENC_COMP.
-    fn lec_places(name: &str) -> [Place; 2] {
-        [0, 1].map(|encoder| Place::Lec { axis: name.to_string(), encoder })
+    /// The tables that an axis of the control may have in ENC_COMP, or that for the stated measuring system.
+    fn lec_places(name: &str, stated: Option<u32>) -> Vec<Place> {
+        let encoders = (0..=1).filter(|own| stated.is_none_or(|stated| stated == *own));
+        encoders.map(|encoder| Place::Lec { axis: name.to_uppercase(), encoder }).collect()
     }
 
     /// Of which tables the files say nothing, neither values nor switches.
@@ -389,12 +387,12 @@ impl Sorted<'_, '_> {
                 || self.all.tables.at(place).is_some()
         };
         let mut lec = self.own_names();
-        lec.retain(|name| !Self::lec_places(name).iter().any(tells_of));
+        lec.retain(|name| !Self::lec_places(name, None).iter().any(tells_of));
         let is_of_cec = |own: &MachineDatum| {
             let mut data = [CEC_ON, TABLE_ON, CEC_POINTS].into_iter();
             data.any(|datum| own.variable.starts_with(&variable(datum, "")))
         };
-        let mut reserved = self.held.reserved.iter();
+        let mut reserved = self.all.tables.reserved.iter();
         let tells_of_cec = self.all.tables.cec().next().is_some()
             || reserved.any(|table| table.starts_with("AN_CEC"))
             || self.all.tables.data.iter().any(is_of_cec);
@@ -418,13 +416,8 @@ impl Sorted<'_, '_> {
     fn lec_not_read_out(&self) -> Option<InControl> {
         let mut switches = Vec::new();
         for (axis, names) in self.reading.names.iter() {
-            let stated = self.stated_encoder(axis);
-            let is_active = |place: &Place| {
-                stated.is_none() || place.lec().map(|(_, encoder)| encoder) == stated
-            };
             for name in names {
-                let mut places = Self::lec_places(&name.to_uppercase()).to_vec();
-                places.retain(is_active);
+                let places = Self::lec_places(name, self.stated_encoder(axis));
                 if !places.iter().any(|place| self.all.tables.at(place).is_some()) {
                     let missing = places.iter().filter(|place| self.is_missing(place));
                     switches.extend(missing.map(|place| format!("[{}]", place.index())));
@@ -438,11 +431,9 @@ impl Sorted<'_, '_> {
     /// tells of CEC.
     fn cec_not_read_out(&self) -> Option<InControl> {
         let is_on = |name: &String| self.is_above_zero(CEC_ON, name);
-        let mut axes = self.own_names();
-        axes.retain(|name| is_on(name).is_some());
-        let some_are_off = axes.iter().any(|name| is_on(name) == Some(false));
-        axes.retain(|name| is_on(name) == Some(true));
-        if axes.is_empty() && some_are_off {
+        let known = self.own_names().into_iter().filter(|name| is_on(name).is_some());
+        let (axes, off): (Vec<_>, Vec<_>) = known.partition(|name| is_on(name) == Some(true));
+        if axes.is_empty() && !off.is_empty() {
             return None;
         }
         let (switches, memory) = (self.of_tables(TABLE_ON), self.of_tables(CEC_POINTS));

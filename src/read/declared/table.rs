@@ -36,7 +36,8 @@ pub(super) struct Whose {
 }
 
 /// A table while its lines are read.
-pub(super) struct Draft {
+pub(super) struct Draft<'a> {
+    facts: &'a DeclaredFacts,
     own: Whose,
     line: Range<usize>,
     /// Start, spacing, count, last.
@@ -44,9 +45,9 @@ pub(super) struct Draft {
     rows: Vec<Row>,
 }
 
-impl Draft {
-    pub(super) fn new(line: Range<usize>) -> Draft {
-        Draft { own: Whose::default(), line, header: Vec::new(), rows: Vec::new() }
+impl<'a> Draft<'a> {
+    pub(super) fn new(facts: &'a DeclaredFacts, line: Range<usize>) -> Draft<'a> {
+        Draft { facts, own: Whose::default(), line, header: Vec::new(), rows: Vec::new() }
     }
 
     /// Whether a line is about it: a name counts before axes.
@@ -64,7 +65,6 @@ impl Draft {
         text: &str,
         (line, whose): (&Range<usize>, Whose),
         fields: Vec<(Field, Range<usize>)>,
-        most: usize,
     ) -> Result<(), Complaint> {
         if let (Some(one), Some(own)) = (&whose.axes, &self.own.axes)
             && !is_same(one, own)
@@ -89,6 +89,7 @@ impl Draft {
         if of_point.is_empty() {
             return Ok(());
         }
+        let most = self.facts.points.value as usize;
         let known = match most {
             1 => (!self.rows.is_empty()).then_some(0),
             _ => number.and_then(|_| self.rows.iter().rposition(|row| row.number == number)),
@@ -112,7 +113,7 @@ impl Draft {
     }
 
     /// The table, once all lines are read.
-    pub(super) fn table(self, facts: &DeclaredFacts) -> Result<ListedTable, Complaint> {
+    pub(super) fn table(self) -> Result<ListedTable, Complaint> {
         let Some([base, output]) = self.own.axes.clone() else {
             let name = self.own.name.as_deref().map_or(String::new(), shown);
             let message = format!("no line says which axes the table `{name}` is for");
@@ -120,19 +121,20 @@ impl Draft {
         };
         let is_own = base.eq_ignore_ascii_case(&output);
         let what = name(&base, &output);
-        self.check_size(facts, is_own, &what)?;
+        self.check_size(is_own, &what)?;
         let mut points: Vec<Point> = Vec::new();
         for (index, row) in self.rows.iter().enumerate() {
-            self.check_number(facts, index, row, &what)?;
-            let position = self.position(facts, index, row)?;
-            check_order(facts, points.last().map(|last| last.position), position, row)?;
-            points.push(point(facts.value_fields(is_own), position, row)?);
+            self.check_number(index, row, &what)?;
+            let position = self.position(index, row)?;
+            self.check_order(points.last().map(|last| last.position), position, row)?;
+            points.push(point(self.facts.value_fields(is_own), position, row)?);
         }
         Ok(ListedTable { term: None, base, output, points })
     }
 
     /// As many points as the file and the control say.
-    fn check_size(&self, facts: &DeclaredFacts, is_own: bool, what: &str) -> Result<(), Complaint> {
+    fn check_size(&self, is_own: bool, what: &str) -> Result<(), Complaint> {
+        let facts = self.facts;
         let (rows, most) = (self.rows.len(), facts.points.value as usize);
         let wrong = |span: &Range<usize>, message: String, help: &str| {
             Err(Complaint::new(span.clone(), message, help))
@@ -163,14 +165,8 @@ impl Draft {
     }
 
     /// The numbers of the points follow each other.
-    fn check_number(
-        &self,
-        facts: &DeclaredFacts,
-        index: usize,
-        row: &Row,
-        what: &str,
-    ) -> Result<(), Complaint> {
-        let expected = f64::from(facts.first_point.value) + index as f64;
+    fn check_number(&self, index: usize, row: &Row, what: &str) -> Result<(), Complaint> {
+        let expected = f64::from(self.facts.first_point.value) + index as f64;
         let is_numbered = self.rows[0].number.is_some();
         match row.number {
             None if !is_numbered => Ok(()),
@@ -184,7 +180,8 @@ impl Draft {
     }
 
     /// Where a point lies, in the unit of the file.
-    fn position(&self, facts: &DeclaredFacts, index: usize, row: &Row) -> Result<f64, Complaint> {
+    fn position(&self, index: usize, row: &Row) -> Result<f64, Complaint> {
+        let facts = self.facts;
         let missing = |field: &str| {
             let message = format!("a point without `{field}`");
             Complaint::new(row.line.clone(), message, "take the whole file")
@@ -203,31 +200,26 @@ impl Draft {
             }
         }
     }
+
+    /// Each point lies behind the one before.
+    fn check_order(&self, before: Option<f64>, position: f64, row: &Row) -> Result<(), Complaint> {
+        let (is_behind, word) = match self.facts.order.value {
+            Order::Ascending => (before.is_none_or(|before| position > before), "above"),
+            Order::Descending => (before.is_none_or(|before| position < before), "below"),
+        };
+        match before {
+            Some(before) if !is_behind => Err(Complaint::new(
+                row.line.clone(),
+                format!("position {position} does not lie {word} {before} of the point before"),
+                "`order` of the profile says how points follow each other; each position once",
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 fn is_same([base, output]: &[String; 2], [other_base, other_output]: &[String; 2]) -> bool {
     base.eq_ignore_ascii_case(other_base) && output.eq_ignore_ascii_case(other_output)
-}
-
-/// Each point lies behind the one before.
-fn check_order(
-    facts: &DeclaredFacts,
-    before: Option<f64>,
-    position: f64,
-    row: &Row,
-) -> Result<(), Complaint> {
-    let (is_behind, word) = match facts.order.value {
-        Order::Ascending => (before.is_none_or(|before| position > before), "above"),
-        Order::Descending => (before.is_none_or(|before| position < before), "below"),
-    };
-    match before {
-        Some(before) if !is_behind => Err(Complaint::new(
-            row.line.clone(),
-            format!("position {position} does not lie {word} {before} of the point before"),
-            "`order` of the profile says how points follow each other; each position once",
-        )),
-        _ => Ok(()),
-    }
 }
 
 /// A point with the values that it has to have.

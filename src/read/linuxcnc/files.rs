@@ -65,42 +65,6 @@ fn is_read(setting: &Setting<'_>) -> bool {
     of_joint || (setting.section, setting.key) == ("TRAJ", "LINEAR_UNITS")
 }
 
-/// The settings of concern that LinuxCNC reads, and what is wrong with the lines.
-fn settings(text: &str) -> (Vec<Setting<'_>>, Vec<Complaint>) {
-    let (mut settings, mut complaints) = (Vec::new(), Vec::new());
-    let (mut begun, mut known) = (BTreeSet::new(), BTreeSet::new());
-    let (mut within, mut is_second) = ("", false);
-    for span in lines(text) {
-        let line = text[span.clone()].trim();
-        if let Some(name) = section(line) {
-            (within, is_second) = (name, !begun.insert(name));
-        } else if line.starts_with("#INCLUDE") {
-            complaints.push(Complaint::new(
-                span,
-                "this line includes another file, which is not read here",
-                "name the file that LinuxCNC makes of both when it starts: the ini file with `.expanded` behind its name",
-            ));
-        } else if let Some(setting) = setting(within, line, span) {
-            if !is_read(&setting) {
-                continue;
-            }
-            if is_second {
-                complaints.push(Complaint::new(
-                    setting.span,
-                    format!("a second section [{}], which LinuxCNC does not read", shown(within)),
-                    "put its lines into the first section of this name",
-                ));
-            } else if known.insert((within, setting.key)) {
-                settings.push(setting);
-            }
-        }
-        if complaints.len() >= MOST_COMPLAINTS {
-            break;
-        }
-    }
-    (settings, complaints)
-}
-
 fn setting<'a>(section: &'a str, line: &'a str, span: Range<usize>) -> Option<Setting<'a>> {
     if line.starts_with(['#', ';']) {
         return None;
@@ -110,39 +74,61 @@ fn setting<'a>(section: &'a str, line: &'a str, span: Range<usize>) -> Option<Se
 }
 
 impl Ini {
-    /// Reads a text.
+    /// Reads the settings of concern that LinuxCNC reads of a text.
     pub(super) fn read(file: &str, text: &str) -> Result<Ini, Problems> {
-        let (settings, mut complaints) = settings(text);
-        let mut ini = Ini::default();
-        for setting in &settings {
-            let taken = match setting.section.strip_prefix("JOINT_") {
-                Some(number) => take(&mut ini.joints, number, setting),
-                None => unit(setting.value).map(|unit| ini.unit = Some(unit)),
-            };
-            let wrong = |expected| wrong(setting, expected);
-            complaints.extend(taken.err().map(wrong));
+        let (mut ini, mut complaints) = (Ini::default(), Vec::new());
+        let (mut begun, mut known) = (BTreeSet::new(), BTreeSet::new());
+        let (mut within, mut is_second) = ("", false);
+        for span in lines(text) {
+            let line = text[span.clone()].trim();
+            if let Some(name) = section(line) {
+                (within, is_second) = (name, !begun.insert(name));
+            } else if line.starts_with("#INCLUDE") {
+                complaints.push(Complaint::new(
+                    span,
+                    "this line includes another file, which is not read here",
+                    "name the file that LinuxCNC makes of both when it starts: the ini file with `.expanded` behind its name",
+                ));
+            } else if let Some(setting) = setting(within, line, span).filter(is_read) {
+                if is_second {
+                    complaints.push(Complaint::new(
+                        setting.span,
+                        format!(
+                            "a second section [{}], which LinuxCNC does not read",
+                            shown(within)
+                        ),
+                        "put its lines into the first section of this name",
+                    ));
+                } else if known.insert((within, setting.key)) {
+                    let taken = ini.take(&setting);
+                    complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
+                }
+            }
+            if complaints.len() >= MOST_COMPLAINTS {
+                break;
+            }
         }
         located(file, text, complaints).or_ok(ini)
     }
-}
 
-/// Takes a setting of a joint; `Err` = what was expected.
-fn take(
-    joints: &mut BTreeMap<u32, Joint>,
-    number: &str,
-    setting: &Setting<'_>,
-) -> Result<(), &'static str> {
-    let number = number.parse().ok().filter(|number| *number < MOST_JOINTS);
-    let number = number.ok_or("a joint from [JOINT_0] to [JOINT_15]")?;
-    let joint = joints.entry(number).or_default();
-    match setting.key {
-        "COMP_FILE" => joint.comp_file = Some(setting.value.to_string()),
-        "COMP_FILE_TYPE" => joint.columns = Some(columns(setting.value)?),
-        "BACKLASH" => joint.backlash = Some(length(setting.value)?),
-        "HOME_LATCH_VEL" => joint.home_latch = Some(length(setting.value)?),
-        _ => joint.home_offset = Some(length(setting.value)?),
+    /// Takes a setting; `Err` = what was expected.
+    fn take(&mut self, setting: &Setting<'_>) -> Result<(), &'static str> {
+        let Some(number) = setting.section.strip_prefix("JOINT_") else {
+            self.unit = Some(unit(setting.value)?);
+            return Ok(());
+        };
+        let number = number.parse().ok().filter(|number| *number < MOST_JOINTS);
+        let number = number.ok_or("a joint from [JOINT_0] to [JOINT_15]")?;
+        let joint = self.joints.entry(number).or_default();
+        match setting.key {
+            "COMP_FILE" => joint.comp_file = Some(setting.value.to_string()),
+            "COMP_FILE_TYPE" => joint.columns = Some(columns(setting.value)?),
+            "BACKLASH" => joint.backlash = Some(length(setting.value)?),
+            "HOME_LATCH_VEL" => joint.home_latch = Some(length(setting.value)?),
+            _ => joint.home_offset = Some(length(setting.value)?),
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn columns(value: &str) -> Result<Columns, &'static str> {
