@@ -4,23 +4,22 @@ mod page;
 mod text;
 
 use crate::cli::outcome::{Outcome, Shows, positive};
-use crate::inputs::job::{Job, UseOf};
+use crate::inputs::job::UseOf;
 use crate::inputs::kind::FileKind;
 use crate::kit::{Inputs, Loaded, generate};
-use crate::machine::model::ErrorModel;
 use crate::page::bin_um;
 use crate::quantity::{Axis, Chain, PerAxis};
 use crate::text::{Problem, Problems};
-use crate::visit::files::{Files, file_name};
+use crate::visit::files::Files;
 use crate::visit::inputs;
 use crate::visit::inputs::{Corrected, read_directory};
 use crate::visit::job_files::Given;
-use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
+use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 pub(super) use page::Page;
-use page::{After, Basis, Found, Table};
-use std::path::{Path, PathBuf};
+use page::va_um;
+use std::path::PathBuf;
 
 /// Most nodes of one axis.
 const MOST_NODES: usize = 1001;
@@ -137,102 +136,37 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
         vectors: options.vectors,
     };
     let file = Given::read(files, &options.file)?;
-    if file.kind() != FileKind::Job {
-        return page_of_table(options, &request, &file);
-    }
-    let (mut inputs, _) = inputs::read_job(files, None, &file, options.tables.use_of())?;
-    take_chain(&mut inputs, options.chain)?;
+    let inputs = match file.kind() {
+        FileKind::Job => {
+            let mut inputs = inputs::read_job(files, None, &file, options.tables.use_of())?;
+            take_chain(&mut inputs, options.chain)?;
+            inputs
+        }
+        _ if options.tables.is_any() => return Err(names_no_control(&file).into()),
+        _ => inputs::of_table(&file, file.name.clone(), options.chain)?,
+    };
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
     let corrected = options.tables.corrected(files, &inputs, &volume)?;
-    page_of_job(options.grid, corrected, &request, &inputs, volume)
+    Ok(Page::of(&inputs, volume, corrected, options.grid, &request)?)
+}
+
+fn names_no_control(file: &Given<'_>) -> Problem {
+    let words = "is an error table, which names no control: tables cannot be read or made for it";
+    Problem::new(format!("`{}` {words}", file.name)).help("give the job that names it")
 }
 
 /// Nodes of each axis in a report: enough for its pictures.
 const GRID_OF_REPORT: GridChoice = GridChoice::Equal(PerAxis { x: 11, y: 11, z: 11 });
 
-/// The page of a report, with the tables of a control where there are any.
+/// The page of a report, with the tables of a control where there are any; with bins that suit the differences.
 pub(super) fn for_report(inputs: &Inputs, loaded: Option<&Loaded<'_>>) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
-    let request = request_of_report(&volume)?;
-    let corrected = loaded.map(|loaded| Corrected::of(&volume, loaded));
-    page_of_job(GRID_OF_REPORT, corrected.transpose()?, &request, inputs, volume)
-}
-
-/// The page of a report of an error table alone, with its least job and its errors.
-pub(super) fn of_table_for_report(file: &Given<'_>) -> Result<OfTable, Problems> {
-    let table = page::of_table(file, None)?;
-    let request = request_of_report(&table.volume)?;
-    figures_of_table(file_name(Path::new(&file.name)), table, GRID_OF_REPORT, &request)
-}
-
-/// With bins that suit the differences.
-fn request_of_report(volume: &VolumeModel) -> Result<Request, Problem> {
-    let nodes = Grid::of(GRID_OF_REPORT, volume, &[])?;
-    Ok(Request { histogram_um: Some(bin_um(va_um(volume, &nodes)?)), ..Request::default() })
-}
-
-fn page_of_job(
-    grid: GridChoice,
-    corrected: Option<Corrected>,
-    request: &Request,
-    inputs: &Inputs,
-    volume: VolumeModel,
-) -> Result<Page, Problems> {
-    let bare = inputs.under_tables.as_ref();
-    let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
-    let others: Vec<&VolumeModel> =
-        corrected.iter().map(|corrected| &corrected.volume).chain(&bare).collect();
-    let nodes = Grid::of(grid, &volume, &others)?;
-    let after = |Corrected { from, volume, disagreements, .. }| {
-        let assessment = assess(&volume, &nodes, request)?;
-        Ok::<After, Problem>(After { from, assessment, volume, disagreements })
-    };
-    let mut basis = Basis::of_job(inputs, &volume);
-    basis.labels.extend(corrected.iter().flat_map(|corrected| corrected.notes.clone()));
-    if let (Some(active), Some(bare)) = (&mut basis.active, bare) {
-        active.va_without_um = Some(va_um(&bare, &nodes)?);
-    }
-    let name = inputs.job.machine.name.clone();
-    let before = assess(&volume, &nodes, request)?;
-    let found = Found::of(&inputs.job, inputs.as_measured(), Some(&inputs.errors));
-    let mut page = Page::of(name, volume, grid, basis, found, before);
-    page.after = corrected.map(after).transpose()?;
-    Ok(page)
-}
-
-fn va_um(volume: &VolumeModel, grid: &Grid) -> Result<f64, Problem> {
-    let alone = Request::default();
-    Ok(assess(volume, grid, &alone)?.definitions.va_um)
-}
-
-fn page_of_table(options: &Options, request: &Request, file: &Given<'_>) -> Result<Page, Problems> {
-    if options.tables.is_any() {
-        return Err(Problem::new(format!(
-            "`{}` is an error table, which names no control: tables cannot be read or made for it",
-            file.name
-        ))
-        .help("give the job that names it")
-        .into());
-    }
-    let table = page::of_table(file, options.chain)?;
-    check(&table.volume, options)?;
-    Ok(figures_of_table(file.name.clone(), table, options.grid, request)?.2)
-}
-
-/// A least job, the errors of the table, and their page.
-type OfTable = (Job, ErrorModel, Page);
-
-fn figures_of_table(
-    name: String,
-    Table { job, model, volume, basis }: Table,
-    grid: GridChoice,
-    request: &Request,
-) -> Result<OfTable, Problems> {
-    let nodes = Grid::of(grid, &volume, &[])?;
-    let before = assess(&volume, &nodes, request)?;
-    let page = Page::of(name, volume, grid, basis, Found::of(&job, &model, None), before);
-    Ok((job, model, page))
+    let nodes = Grid::of(GRID_OF_REPORT, &volume, &[])?;
+    let histogram_um = Some(bin_um(va_um(&volume, &nodes)?));
+    let request = Request { histogram_um, ..Request::default() };
+    let corrected = loaded.map(|loaded| Corrected::of(&volume, loaded)).transpose()?;
+    Ok(Page::of(inputs, volume, corrected, GRID_OF_REPORT, &request)?)
 }
 
 /// `--chain` is for a job that states none.

@@ -13,7 +13,7 @@ use crate::visit::job_files::Given;
 use crate::volume::tool_path::{Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
-use page::{After, Holes, Page, Points, found};
+use page::{Holes, Page, Points, found};
 use part_program::{Line, Mark, Refused, Text, run as run_program};
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// The page, and the samples where a file of them is asked for.
 fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), Problems> {
     let job = Given::read(files, &options.job)?;
-    let (inputs, _) = inputs::read_job(files, None, &job, options.tables.use_of())?;
+    let inputs = inputs::read_job(files, None, &job, options.tables.use_of())?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = path_map(&inputs.job, &volume);
     let tables = options.tables.corrected(files, &inputs, &volume)?;
@@ -86,7 +86,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
     .map_err(|refused| problems(&program, refused))?;
     let before = found(before, &program)?;
     let after = after.map(|profile| found(profile, &program)).transpose()?;
-    let after = tables.zip(after).map(|(tables, followed)| After::of(tables, followed));
+    let after = tables.zip(after).map(|(tables, followed)| tables.with(followed));
     let page = Page { program, inputs, volume, ran, before, after, holes, traces };
     Ok((page, points))
 }

@@ -8,14 +8,12 @@ use crate::control::controller::Template;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::Machine;
 use crate::kit::manifest::{MANIFEST, rounded};
 use crate::kit::{self, Inputs, generate};
-use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
 use crate::text::{Finding, Problem, Problems, joined, template_text};
-use crate::visit::files::{Files, Kind};
+use crate::visit::files::{Files, Kind, file_name};
 use crate::visit::inputs;
 use crate::visit::job_files::{Given, JobFiles};
 use clap::Args;
@@ -103,18 +101,19 @@ type OfJob = (Job, Visit);
 fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJob, Problems> {
     let file = Given::read(files, &options.job)?;
     let without_tables = options.tables.is_none();
-    if without_tables && file.kind() == FileKind::Table {
-        return of_table(locale, file);
-    }
-    let is_found = without_tables && !states_tables(files, &file)?;
-    let (inputs, _) = inputs::read_job(files, None, &file, UseOf::with(!is_found))?;
+    let is_table = without_tables && file.kind() == FileKind::Table;
+    let is_found = is_table || without_tables && !states_tables(files, &file)?;
+    let mut inputs = match is_table {
+        true => inputs::of_table(&file, file_name(Path::new(&file.name)), None)?,
+        false => inputs::read_job(files, None, &file, UseOf::with(!is_found))?,
+    };
     let mut visit = match is_found {
-        true => {
-            let page = assess::for_report(&inputs, None)?;
-            Visit::found(locale, &inputs.job, inputs.as_measured(), inputs.machine(), &page)?
-        }
+        true => Visit::found(locale, &inputs)?,
         false => with_tables(options, files, locale, &inputs)?,
     };
+    if is_table {
+        inputs.job.machine.name.clear();
+    }
     let is_stated = inputs.job.source.place_of("compensation.controller");
     visit.control = is_stated.map_or_else(String::new, |_| inputs.profile.name.clone());
     visit.inputs.clone_from(&inputs.hashes);
@@ -129,15 +128,6 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
 fn states_tables(files: &dyn Files, file: &Given<'_>) -> Result<bool, Problems> {
     let named = JobFiles::of(files, file, UseOf::Figures)?;
     Ok(named.job.compensation.axes.iter().any(|(_, axis)| axis.is_some()))
-}
-
-/// An error table alone, as found.
-fn of_table(locale: Locale<'_>, file: Given<'_>) -> Result<OfJob, Problems> {
-    let (mut job, model, page) = assess::of_table_for_report(&file)?;
-    job.machine.name.clear();
-    let mut visit = Visit::found(locale, &job, &model, Machine::alone(&model), &page)?;
-    visit.inputs = vec![file.hash];
-    Ok((job, visit))
 }
 
 /// The tables of a directory, or those that `generate` would write.
@@ -180,13 +170,8 @@ fn words(problem: &Problem) -> String {
 
 impl Visit {
     /// The machine as found.
-    fn found(
-        locale: Locale<'_>,
-        job: &Job,
-        model: &ErrorModel,
-        machine: Machine<'_>,
-        page: &assess::Page,
-    ) -> Result<Visit, Problems> {
+    fn found(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
+        let (page, model) = (assess::for_report(inputs, None)?, inputs.as_measured());
         let doubts = page.doubts().iter().cloned();
         let doubts = doubts.chain(model.doubts(|_| true));
         let doubts = doubts.map(|doubt| doubt.to_string());
@@ -194,14 +179,14 @@ impl Visit {
         let is_rehearsal = model.remarks.simulated().next().is_some();
         let mut visit = Visit { is_rehearsal, doubts, ..Visit::default() };
         let curves = Curves {
-            machine,
+            machine: inputs.machine(),
             loaded: None,
             as_left: None,
-            limit_um: job.acceptance.max_deviation_um,
+            limit_um: inputs.job.acceptance.max_deviation_um,
         };
         let heading = format!("{}: {}", page.name, locale.words("nine_errors_found"));
         visit.pictures.push(("curves", terms(locale, &heading, &curves)));
-        visit.add("assess", page, ("volume", page.picture(locale)))?;
+        visit.add("assess", &page, ("volume", page.picture(locale)))?;
         Ok(visit)
     }
 

@@ -72,10 +72,10 @@ const LARGEST_SCALE_UM_PER_M: f64 = 500.0;
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the readings")?;
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
-    let (inputs, angles) = inputs::read_job(files, machine, &job, UseOf::Tables)?;
+    let inputs = inputs::read_job(files, machine, &job, UseOf::Tables)?;
     // The angles of an error table are no part of a measurement of diagonals.
     let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
-    let angles = angles.filter(|_| is_of_diagonals);
+    let angles = inputs.angles.as_ref().filter(|_| is_of_diagonals);
     let noise = Noise { um: options.noise_um, seed: options.seed };
     let wishes = Wishes {
         straight: options.straight,
@@ -85,7 +85,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     };
     let rehearsal = match options.errors {
         true => None,
-        false => Some(Rehearsal::of(&inputs.job, angles.as_ref(), wishes)?),
+        false => Some(Rehearsal::of(&inputs.job, angles, wishes)?),
     };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));

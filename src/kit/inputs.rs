@@ -2,7 +2,7 @@
 
 use crate::control::controller::{Profile, Role};
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::{Compensation, Job};
+use crate::inputs::job::{Compensation, Job, UseOf};
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
@@ -56,8 +56,8 @@ pub struct Inputs {
     pub hashes: Vec<HashedFile>,
     /// The control as it was while measuring, where the job names its files.
     pub active: Option<ActiveControl>,
-    /// What the sum of old tables and residual has to say.
-    pub active_notes: Vec<Finding>,
+    /// What the sum of old tables and residual has to say; of an error table, that no job describes it.
+    pub notes: Vec<Finding>,
 }
 
 impl Inputs {
@@ -68,25 +68,21 @@ impl Inputs {
         errors: impl Into<ErrorSource>,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        Inputs::of(job, profile, (errors.into(), ErrorModel::build), hashes)
+        Inputs::of(UseOf::Tables, job, profile, errors.into(), hashes)
     }
 
-    /// The same for figures of the volume, where angles alone will do.
-    pub(crate) fn for_figures(
+    /// The same; for figures of the volume angles alone will do.
+    pub(crate) fn of(
+        use_of: UseOf,
         job: Job,
         profile: Profile,
         errors: ErrorSource,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        Inputs::of(job, profile, (errors, ErrorModel::for_figures), hashes)
-    }
-
-    fn of(
-        job: Job,
-        profile: Profile,
-        (errors, build): (ErrorSource, impl Fn(&Job, &ErrorTable) -> Result<ErrorModel, Problems>),
-        hashes: Vec<HashedFile>,
-    ) -> Result<Inputs, Problems> {
+        let build = match use_of {
+            UseOf::Figures => ErrorModel::for_figures,
+            _ => ErrorModel::build,
+        };
         let mut model = build(&job, &*errors.table(&job)?)?;
         model.lacks_squareness(model.level());
         Ok(Inputs {
@@ -98,7 +94,7 @@ impl Inputs {
             angles: None,
             hashes,
             active: None,
-            active_notes: Vec::new(),
+            notes: Vec::new(),
         })
     }
 
@@ -149,7 +145,7 @@ impl Inputs {
         let interpolated =
             family(&self.profile.dialect).take_interpolation(&mut self.job, &self.profile, &active);
         let notes = notes.into_iter().chain(interpolated).map(Finding::from);
-        self.active_notes = active.findings.iter().cloned().chain(notes).collect();
+        self.notes = active.findings.iter().cloned().chain(notes).collect();
         self.active = Some(active);
         Ok(self)
     }
@@ -179,7 +175,7 @@ impl Inputs {
                 family(&self.profile.dialect).left_over(&active.tables, &compiled.tables);
             compiled.preconditions.extend(active::switched_off(&self.profile, &compiled.stale));
             compiled.assumptions.extend(active.assumptions.clone());
-            compiled.notes.extend(self.active_notes.clone());
+            compiled.notes.extend(self.notes.clone());
         }
         Ok(compiled)
     }

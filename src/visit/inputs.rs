@@ -1,25 +1,27 @@
 //! Files of a user → checked inputs.
 
-use crate::control::controller::Profile;
+use crate::control::controller::{Profile, builtin};
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::{ActiveTables, BacklashPolicy, MeasuredData, UseOf};
+use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MeasuredData, UseOf};
 use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::directory::Directory;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Asked, Inputs, Loaded, hashed};
 use crate::machine::separation::table::ErrorSource;
-use crate::quantity::{PathKind, PerAxis};
-use crate::text::{Finding, Problem, Problems, Severity};
+use crate::quantity::{Axis, Chain, PathKind, PerAxis};
+use crate::text::{Finding, Problem, Problems, Severity, Source};
 use crate::visit::files::{Files, Kind, file_name, plain_words, printed, unreadable, with_slashes};
 use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
 use crate::volume::assessment::with_tables;
+use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::VolumeModel;
+use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Reads a job and everything it names, for tables.
 pub(crate) fn read(files: &dyn Files, job_path: &Path) -> Result<Inputs, Problems> {
-    Ok(read_job(files, None, &Given::read(files, job_path)?, UseOf::Tables)?.0)
+    read_job(files, None, &Given::read(files, job_path)?, UseOf::Tables)
 }
 
 /// Reads everything that a job names, the table of its angles too; `machine` is an error table in place of what it
@@ -29,7 +31,7 @@ pub(crate) fn read_job(
     machine: Option<&Path>,
     job: &Given<'_>,
     use_of: UseOf,
-) -> Result<(Inputs, Option<ErrorTable>), Problems> {
+) -> Result<Inputs, Problems> {
     let mut named = JobFiles::of(files, job, use_of)?;
     if use_of == UseOf::Figures {
         let policies = named.job.compensation.backlash;
@@ -57,12 +59,50 @@ pub(crate) fn read_job(
     {
         job.measurement.levers.or_lines(lines);
     }
-    let inputs = match use_of {
-        UseOf::Figures => Inputs::for_figures(job, profile, errors, hashes)?,
-        _ => Inputs::new(job, profile, errors, hashes)?,
-    };
-    let inputs = inputs.with(angles.as_ref(), active)?;
-    Ok((inputs, angles))
+    Inputs::of(use_of, job, profile, errors, hashes)?.with(angles.as_ref(), active)
+}
+
+/// An error table that no job describes, under this name: each axis travels where it was measured, its reference is its
+/// lowest measured position.
+pub(crate) fn of_table(
+    file: &Given<'_>,
+    name: String,
+    chain: Option<Chain>,
+) -> Result<Inputs, Problems> {
+    let table = Arc::new(ErrorTable::read(file.source()?)?);
+    let page = least_job(&table, chain);
+    let mut job = Job::read_for(Source::from_bytes(&file.name, page.as_bytes())?, UseOf::Figures)?;
+    job.machine.name = name;
+    let profile = builtin::profile(&job.compensation.controller)?;
+    let (errors, hashes) = (ErrorSource::Table(Arc::clone(&table)), vec![file.hash.clone()]);
+    let mut inputs = Inputs::of(UseOf::Figures, job, profile, errors, hashes)?;
+    if chain.is_none() && inputs.model.rotations.iter().any(|(_, angle)| angle.is_some()) {
+        return Err(Problem::new(
+            "the table holds angles, which act through levers: the order of the axes is missing",
+        )
+        .at(table.header.clone())
+        .help("give a job with `machine.chain`, or state it: `assess --chain wXYZt`")
+        .into());
+    }
+    inputs.notes.push(VolumeFinding::NoJob.into());
+    Ok(inputs)
+}
+
+/// The least job that such a table needs.
+fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
+    let chain = chain.map_or_else(String::new, |chain| format!("chain = \"{chain}\"\n"));
+    let axes = Axis::ALL.into_iter().filter_map(|axis| {
+        let positions = || table.series(axis).iter().flat_map(|s| &s.positions).map(|at| at.mm());
+        let (low, high) = (positions().reduce(f64::min)?, positions().reduce(f64::max)?);
+        let axis = axis.key();
+        Some(format!(
+            "[machine.axes.{axis}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {low:?}\n"
+        ))
+    });
+    let axes: String = axes.collect();
+    format!(
+        "schema = 1\n[machine]\nname = \"error table\"\n{chain}{axes}[measurement]\nerrors = \"-\"\nactive_while_measuring = \"none\"\n"
+    )
 }
 
 /// An error table that no job names.
@@ -174,15 +214,21 @@ pub(super) fn read_all(
 
 // The directory of a kit, or of what was read out of a control; and the machine as such tables leave it.
 
-/// The machine with tables.
-pub(crate) struct Corrected {
+/// The machine with tables, and figures of it.
+#[derive(Serialize)]
+pub(crate) struct Corrected<T = ()> {
     /// Where the tables come from, in words.
+    #[serde(rename = "tables")]
     pub(crate) from: String,
-    /// Its errors.
-    pub(crate) volume: VolumeModel,
+    #[serde(flatten)]
+    pub(crate) figures: T,
     /// How the files differ from what the job asks for.
     pub(crate) disagreements: Vec<Finding>,
+    /// Its errors.
+    #[serde(skip)]
+    pub(crate) volume: VolumeModel,
     /// What no file does, what was ignored, and what is taken for granted.
+    #[serde(skip)]
     pub(crate) notes: Vec<Finding>,
 }
 
@@ -197,7 +243,13 @@ impl Corrected {
         let found = loaded.findings.iter().chain(&loaded.unread).cloned();
         let (disagreements, notes) =
             found.partition(|found| found.severity() == Severity::Disagreement);
-        Ok(Corrected { from: loaded.from(), volume, disagreements, notes })
+        Ok(Corrected { from: loaded.from(), figures: (), disagreements, volume, notes })
+    }
+
+    /// The same with figures of it.
+    pub(crate) fn with<T>(self, figures: T) -> Corrected<T> {
+        let Corrected { from, disagreements, volume, notes, .. } = self;
+        Corrected { from, figures, disagreements, volume, notes }
     }
 }
 

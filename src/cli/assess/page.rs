@@ -2,19 +2,18 @@
 //! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
 use crate::cli::show::{PlaneFigures, planes};
-use crate::inputs::error_table::{ErrorTable, Remarks};
-use crate::inputs::job::{ActiveTables, Frame, Job, UseOf};
+use crate::inputs::error_table::Remarks;
+use crate::inputs::job::{ActiveTables, Frame, Job};
 use crate::judge::after::alone;
 use crate::judge::forecast::Change;
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::table::ErrorSource;
 use crate::page::{Ink, Locale, Picture, Side, volume};
-use crate::quantity::{Axis, Chain, ErrorTerm, Listed, Millimetres, PerAxis, Rotation};
-use crate::text::{Finding, Named, Problem, Problems, Severity, Source};
-use crate::visit::job_files::Given;
-use crate::volume::assessment::{Assessment, GridChoice};
+use crate::quantity::{Axis, ErrorTerm, Listed, Millimetres, PerAxis, Rotation};
+use crate::text::{Finding, Named, Problem, Severity};
+use crate::visit::inputs::Corrected;
+use crate::volume::assessment::{Assessment, Grid, GridChoice, Request, assess};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
 use serde::Serialize;
@@ -43,31 +42,45 @@ pub(in crate::cli) struct Page {
     pub(in crate::cli) before: Assessment,
     pub(super) missing: Vec<Missing>,
     labels: Vec<Finding>,
-    pub(super) after: Option<After>,
+    /// As tables leave it.
+    pub(super) after: Option<Corrected<Assessment>>,
 }
 
 impl Page {
+    /// Of a machine as it was measured, and as tables leave it.
     pub(super) fn of(
-        name: String,
+        inputs: &Inputs,
         volume: VolumeModel,
+        corrected: Option<Corrected>,
         grid: GridChoice,
-        basis: Basis,
-        found: Found,
-        before: Assessment,
-    ) -> Page {
-        Page {
+        request: &Request,
+    ) -> Result<Page, Problem> {
+        let bare = inputs.under_tables.as_ref();
+        let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
+        let others = corrected.iter().map(|corrected| &corrected.volume).chain(&bare);
+        let nodes = Grid::of(grid, &volume, &others.collect::<Vec<_>>())?;
+        let mut basis = Basis::of(inputs, &volume);
+        basis.labels.extend(corrected.iter().flat_map(|corrected| corrected.notes.clone()));
+        if let (Some(active), Some(bare)) = (&mut basis.active, bare) {
+            active.va_without_um = Some(va_um(&bare, &nodes)?);
+        }
+        let after = corrected.map(|corrected| {
+            let figures = assess(&corrected.volume, &nodes, request)?;
+            Ok::<_, Problem>(corrected.with(figures))
+        });
+        Ok(Page {
             schema: 1,
-            name,
+            name: inputs.job.machine.name.clone(),
             grid,
             errors_measured: volume.known_errors(),
+            found: Found::of(inputs),
+            before: assess(&volume, &nodes, request)?,
             missing: volume.missing(),
             volume,
-            found,
-            before,
             labels: [&basis.doubts[..], &basis.labels].concat(),
             basis,
-            after: None,
-        }
+            after: after.transpose()?,
+        })
     }
 
     /// Why the figures may be wrong.
@@ -87,7 +100,7 @@ impl Page {
             ink: Ink::Forecast,
             name: locale.words("forecast_with_tables"),
             model: &after.volume,
-            assessment: &after.assessment,
+            assessment: &after.figures,
         });
         let sides: Vec<Side<'_>> = std::iter::once(before).chain(after).collect();
         let heading = format!("{}: {}", self.name, locale.words("errors_in_volume"));
@@ -97,23 +110,14 @@ impl Page {
     /// The machine as it is, and as tables leave it.
     pub(super) fn sides(&self) -> impl Iterator<Item = (&'static str, &Assessment)> {
         let after = self.after.as_ref();
-        let after = after.map(|after| ("with the tables", &after.assessment));
+        let after = after.map(|after| ("with the tables", &after.figures));
         std::iter::once(("as it is", &self.before)).chain(after)
     }
 }
 
-/// As tables leave it.
-#[derive(Serialize)]
-pub(super) struct After {
-    /// Where the tables come from.
-    #[serde(rename = "tables")]
-    pub(super) from: String,
-    #[serde(flatten)]
-    pub(super) assessment: Assessment,
-    #[serde(skip)]
-    pub(super) volume: VolumeModel,
-    /// How the files differ from what the job asks for.
-    pub(super) disagreements: Vec<Finding>,
+/// The volumetric accuracy of a machine at these nodes, µm.
+pub(super) fn va_um(volume: &VolumeModel, nodes: &Grid) -> Result<f64, Problem> {
+    Ok(assess(volume, nodes, &Request::default())?.definitions.va_um)
 }
 
 /// A deviation above this is more often a unit error, µm.
@@ -154,33 +158,22 @@ pub(super) struct Active {
 }
 
 impl Basis {
-    /// Of a job.
-    pub(super) fn of_job(inputs: &Inputs, volume: &VolumeModel) -> Basis {
-        let job = &inputs.job;
+    fn of(inputs: &Inputs, volume: &VolumeModel) -> Basis {
+        let (job, measured) = (&inputs.job, inputs.as_measured());
         let measurement = &job.measurement;
         let open = measurement.active == ActiveTables::NotStated;
         let open = open.then_some(VolumeFinding::ActiveNotStated);
         let stated = outside(job).into_iter().chain(open).map(Finding::from);
-        let stated = stated.chain(inputs.active_notes.iter().cloned()).chain(measurement.notes());
-        Basis::of(job, inputs.as_measured(), &inputs.model.remarks, volume, stated)
-    }
-
-    fn of(
-        job: &Job,
-        measured: &ErrorModel,
-        remarks: &Remarks,
-        volume: &VolumeModel,
-        stated: impl Iterator<Item = Finding>,
-    ) -> Basis {
+        let stated = stated.chain(inputs.notes.iter().cloned()).chain(measurement.notes());
         let labels = volume.labels.iter().cloned();
         let (doubtful, labels): (Vec<_>, Vec<_>) =
             labels.partition(|label| label.severity() == Severity::Doubt);
-        let labels = labels.into_iter().chain(stated).chain(said(remarks));
+        let labels = labels.into_iter().chain(stated).chain(said(&inputs.model.remarks));
         let doubts = doubts(job, measured).chain(doubtful);
-        let levers = &job.measurement.levers;
+        let levers = &measurement.levers;
         let unknown = volume.unknown_axes();
         let range = |axis| (!unknown.contains(&axis)).then(|| volume.range(axis));
-        let active = match &job.measurement.active {
+        let active = match &measurement.active {
             ActiveTables::Path(tables) => Some(tables.clone()),
             _ => None,
         };
@@ -262,61 +255,9 @@ fn outside(job: &Job) -> Option<VolumeFinding> {
     (!places.is_empty()).then_some(VolumeFinding::OutOfReach { places })
 }
 
-/// An error table without a job.
-pub(super) struct Table {
-    /// The least job that it needs.
-    pub(super) job: Job,
-    pub(super) model: ErrorModel,
-    pub(super) volume: VolumeModel,
-    pub(super) basis: Basis,
-}
-
-/// The model of a table and what it rests on: each axis travels where it was measured, its reference is its lowest
-/// measured position.
-pub(super) fn of_table(file: &Given<'_>, chain: Option<Chain>) -> Result<Table, Problems> {
-    let table = ErrorTable::read(file.source()?)?;
-    let page = least_job(&table, chain);
-    let job = Job::read_for(Source::from_bytes(&file.name, page.as_bytes())?, UseOf::Figures)?;
-    let mut model = ErrorModel::for_figures(&job, &table)?;
-    model.lacks_squareness(model.level());
-    if chain.is_none() && model.rotations.iter().any(|(_, angle)| angle.is_some()) {
-        return Err(Problem::new(
-            "the table holds angles, which act through levers: the order of the axes is missing",
-        )
-        .at(table.header.clone())
-        .help("give a job with `machine.chain`, or state it: `assess --chain wXYZt`")
-        .into());
-    }
-    let volume = VolumeModel::build(&job, &model)?;
-    let no_job = std::iter::once(VolumeFinding::NoJob.into());
-    Ok(Table {
-        basis: Basis::of(&job, &model, &model.remarks, &volume, no_job),
-        job,
-        model,
-        volume,
-    })
-}
-
-/// The least job that such a table needs.
-fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
-    let chain = chain.map_or_else(String::new, |chain| format!("chain = \"{chain}\"\n"));
-    let axes = Axis::ALL.into_iter().filter_map(|axis| {
-        let positions = || table.series(axis).iter().flat_map(|s| &s.positions).map(|at| at.mm());
-        let (low, high) = (positions().reduce(f64::min)?, positions().reduce(f64::max)?);
-        let axis = axis.key();
-        Some(format!(
-            "[machine.axes.{axis}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {low:?}\n"
-        ))
-    });
-    let axes: String = axes.collect();
-    format!(
-        "schema = 1\n[machine]\nname = \"error table\"\n{chain}{axes}[measurement]\nerrors = \"-\"\n"
-    )
-}
-
 /// What the measurement says by itself.
 #[derive(Serialize)]
-pub(super) struct Found {
+struct Found {
     terms: Named<ErrorTerm, Largest>,
     squareness: Named<&'static str, PlaneFigures>,
 }
@@ -331,12 +272,12 @@ struct Largest {
 }
 
 impl Found {
-    /// `errors`: where the model comes from; absent = from an error table alone.
-    pub(super) fn of(job: &Job, model: &ErrorModel, errors: Option<&ErrorSource>) -> Found {
-        let terms = alone(model, job).terms.into_iter().map(|found| {
+    fn of(inputs: &Inputs) -> Found {
+        let model = inputs.as_measured();
+        let terms = alone(model, &inputs.job).terms.into_iter().map(|found| {
             let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
             (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
         });
-        Found { terms: terms.collect(), squareness: planes((model, errors), None) }
+        Found { terms: terms.collect(), squareness: planes((model, Some(&inputs.errors)), None) }
     }
 }

@@ -103,11 +103,11 @@ fn headline(page: &Page) -> String {
     let mut lines =
         vec![format!("volumetric accuracy {:.3} µm: {claim}", before.definitions.va_um)];
     lines.extend(page.after.as_ref().map(|after| {
-        let hedge = match after.assessment.definitions.va_exact {
+        let hedge = match after.figures.definitions.va_exact {
             true => "",
             false => " at these nodes; other places may differ by more",
         };
-        let va = after.assessment.definitions.va_um;
+        let va = after.figures.definitions.va_um;
         let from = &after.from;
         format!("with the tables {va:.3} µm{hedge}: {from}, read back from their bytes; angular errors stay unless a table holds them")
     }));
@@ -220,7 +220,7 @@ fn contributions(page: &Page) -> String {
     let row = |part: &Contribution| {
         let share = Figure(if va > 0.0 { 100.0 * part.um / va } else { 0.0 });
         let (name, um, without) = (error_name(part.component), um(part.um), um(part.va_without_um));
-        let other = page.after.as_ref().map(|after| left(&after.assessment, part.component));
+        let other = page.after.as_ref().map(|after| left(&after.figures, part.component));
         format!("{name}\t{um}\t{share:.2}\t{without}{}", other.unwrap_or_default())
     };
     let acts = |part: &&Contribution| {

@@ -7,7 +7,7 @@ use crate::cli::show;
 use crate::kit::Inputs;
 use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
-use crate::text::{Finding, Problem, Problems, Severity, counted, of_severity};
+use crate::text::{Problem, Problems, Severity, counted, of_severity};
 use crate::visit::files::{Begun, Files, Long, Ready, not_put_out, not_written};
 use crate::visit::inputs::Corrected;
 use crate::volume::space::pair::dot;
@@ -25,7 +25,8 @@ pub(super) struct Page {
     pub(super) volume: VolumeModel,
     pub(super) ran: Ran,
     pub(super) before: Summary,
-    pub(super) after: Option<After>,
+    /// With tables.
+    pub(super) after: Option<Corrected<Summary>>,
     pub(super) holes: Holes,
     pub(super) traces: Vec<Trace>,
 }
@@ -43,25 +44,6 @@ impl Page {
         let machine = &self.inputs.job.machine.name;
         let heading = format!("{machine}: error along {}", self.program);
         path(locale, &heading, &self.traces, &holes)
-    }
-}
-
-/// The path with tables.
-#[derive(Serialize)]
-pub(super) struct After {
-    /// Where they come from.
-    tables: String,
-    #[serde(flatten)]
-    followed: Summary,
-    disagreements: Vec<Finding>,
-    #[serde(skip)]
-    notes: Vec<Finding>,
-}
-
-impl After {
-    pub(super) fn of(tables: Corrected, followed: Summary) -> After {
-        let Corrected { from, disagreements, notes, .. } = tables;
-        After { tables: from, followed, disagreements, notes }
     }
 }
 
@@ -110,8 +92,8 @@ impl Page {
         let after = self.after.as_ref();
         let disagreements = after.map_or(&[][..], |after| &after.disagreements);
         let with = after.map(|after| {
-            let name = format!("with {}", after.tables);
-            extremes(&after.followed, &name)
+            let name = format!("with {}", after.from);
+            extremes(&after.figures, &name)
         });
         let figures = [extremes(&self.before, "as it is"), with.unwrap_or_default()];
         let missing: Vec<String> = missing(self);
@@ -146,7 +128,7 @@ pub(super) struct Document<'a> {
     missing: Vec<String>,
     warnings: Vec<String>,
     notes: Vec<String>,
-    after: Option<&'a After>,
+    after: Option<&'a Corrected<Summary>>,
     #[serde(flatten)]
     before: &'a Summary,
 }
@@ -206,8 +188,8 @@ fn headline(page: &Page) -> String {
     if let Some(after) = after {
         lines.push(format!(
             "with the tables: largest error {:.3} µm, profile accuracy {}",
-            largest_um(&after.followed),
-            accuracy_words(&after.followed)
+            largest_um(&after.figures),
+            accuracy_words(&after.figures)
         ));
     }
     let datum = &page.inputs.job.path.datum;

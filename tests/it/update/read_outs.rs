@@ -155,7 +155,7 @@ fn a_read_out_with_switches_and_without_tables_is_refused() {
 fn tables_of_zeros_are_a_read_out_like_any_other() {
     let job = siemens(ACTIVE);
     let zeros = lec("0") + "M17\n";
-    let notes = words(&taken(&job, FULL, &zeros).active_notes);
+    let notes = words(&taken(&job, FULL, &zeros).notes);
     let says = "the active tables of AX1 → AX1 hold zeros: old = 0";
     assert!(notes.iter().any(|note| note == says), "{notes:?}");
     refused(&job, FULL, &zeros.replace("AX1", "AX7"), "correct nothing");
