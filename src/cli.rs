@@ -211,7 +211,7 @@ pub fn asked(question: &[u8]) -> Answered {
 
 /// What a command answers, but for its standard output.
 fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> Answer {
-    match execute(command, files, out).and_then(|outcome| outcome.deliver(files, out)) {
+    match execute(command, files, out).and_then(|outcome| outcome.deliver(out)) {
         Ok((yes, talk)) => {
             let err = if talk.is_empty() { talk } else { spoken(&talk) };
             Answer { status: u8::from(!yes), err, ..Answer::default() }
@@ -247,7 +247,7 @@ fn execute(command: Command, files: &dyn Files, out: &mut dyn Write) -> Result<O
         Command::Import(options) => import::run(&options, files),
         Command::Standards(options) => standards::run(&options, files),
         Command::Path(options) => path::run(&options, files),
-        Command::Page(options) => page(&options),
+        Command::Page(options) => page(&options, files),
         Command::Controllers { command } => controllers::run(command.as_ref(), files),
         Command::Context(options) => controllers::context(&options, files),
         Command::Completions { shell } => {
@@ -285,14 +285,13 @@ struct Page {
     force: bool,
 }
 
-fn page(options: &Page) -> Result<Outcome, Problems> {
+fn page(options: &Page, files: &dyn Files) -> Result<Outcome, Problems> {
     let missing = "this program was built without the page; a released one holds it, or one built as packaging/README.md says";
-    let page = PAGE.ok_or_else(|| Problem::new(missing))?.to_vec();
-    let (place, force) = (options.output.clone(), options.force);
+    let (page, place) = (PAGE.ok_or_else(|| Problem::new(missing))?, &options.output);
     if place == Path::new("-") {
-        return Ok(Outcome::bytes(page));
+        return Ok(Outcome::bytes(page.to_vec()));
     }
-    let said = format!("wrote {}: open it in a browser", printed(&place));
+    let said = format!("wrote {}: open it in a browser", printed(place));
     let outcome = Outcome::bytes(Vec::new()).saying(Detail::default(), said);
-    Ok(outcome.writing(move |files| files.write(&place, &page, force)))
+    Ok(outcome.writing(files.write(place, page, options.force)?))
 }

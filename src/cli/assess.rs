@@ -125,7 +125,7 @@ fn chain_word(text: &str) -> Result<Chain, String> {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let page = page(options, files)?;
-    options.shows.outcome(|| text::screen(&page), || &page, |locale| page.picture(locale))
+    options.shows.outcome(files, || text::screen(&page), || &page, |locale| page.picture(locale))
 }
 
 fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {

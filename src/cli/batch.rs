@@ -397,7 +397,7 @@ mod tests {
         let options = Options { questions: questions_file, output, resume, jobs: 2 };
         let mut out = Vec::new();
         let outcome = run(&options, &answered, &mut out).map_err(|problems| problems.render())?;
-        let (yes, _) = outcome.deliver(&Memory::default(), &mut Vec::new()).unwrap();
+        let (yes, _) = outcome.deliver(&mut Vec::new()).unwrap();
         Ok((yes, String::from_utf8(out).unwrap()))
     }
 

@@ -49,7 +49,9 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         let page = Page::of(kit::forecast(&inputs)?, None);
         let outcome = options.output.print.outcome(|| page.screen(), || page.document())?;
         let outcome = outcome.answering(page.verdict() == Verdict::Pass);
-        return options.plot.beside(outcome, options.output.force, |locale| page.picture(locale));
+        return options
+            .plot
+            .beside(files, outcome, options.output.force, |locale| page.picture(locale));
     }
     let directory = options.output.free_directory(files)?;
     let mut inputs = inputs::read(files, &options.job)?;
@@ -61,9 +63,10 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let next_steps = next_steps(&options.job, directory, &inputs, &kit);
     let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
     let outcome = print.outcome(|| screen(&inputs, &kit), || &kit.manifest)?;
-    let outcome = options.output.deliver_files(outcome, own, (MANIFEST, &manifest), next_steps);
+    let outcome =
+        options.output.deliver_files(files, outcome, own, (MANIFEST, &manifest), next_steps)?;
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
-    options.plot.beside(outcome, options.output.force, |locale| {
+    options.plot.beside(files, outcome, options.output.force, |locale| {
         show::nine_errors(locale, &inputs, Some(&kit.effect), None)
     })
 }

@@ -84,7 +84,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         always: document.warnings.iter().map(|words| format!("warning: {words}")).collect(),
         ..Screen::default()
     };
-    options.output.deliver(Some(held(imported.text.clone())), screen, || &document, &next)
+    options.output.deliver(files, Some(held(imported.text.clone())), screen, || &document, &next)
 }
 
 /// The summary for scripts.
@@ -167,5 +167,5 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
         stated: options.stated.given().into_iter().collect(),
     };
     let screen = || Screen::of("every capture of the form has its value".to_string());
-    options.output.deliver(Some(held(text)), screen, || document, "")
+    options.output.deliver(files, Some(held(text)), screen, || document, "")
 }

@@ -101,7 +101,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let (place, names) = (printed(directory), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n  {}", stages.join("\n  "));
     let outcome = options.output.print.outcome(|| screen, || document)?;
-    Ok(options.output.deliver_files(outcome, tables, (JOB, begun.job.as_bytes()), talk))
+    options.output.deliver_files(files, outcome, tables, (JOB, begun.job.as_bytes()), talk)
 }
 
 /// The control, the files, and what has to be said of them.

@@ -90,28 +90,27 @@ impl Output {
     /// talk. `next` is said behind the name of a file that was written.
     pub(super) fn deliver<D: Serialize>(
         &self,
+        files: &dyn Files,
         content: Option<Begun>,
         screen: impl FnOnce() -> Screen,
         document: impl FnOnce() -> D,
         next: &str,
     ) -> Result<Outcome, Problems> {
-        let (detail, force) = (self.print.detail, self.force);
+        let detail = self.print.detail;
         let Some((mut long, ready)) = content else {
             return self.print.outcome(screen, document);
         };
-        let Some(place) = self.place().map(Path::to_path_buf) else {
+        let Some(place) = self.place() else {
             return Ok(Outcome::of(long).saying(detail, screen().page(detail)));
         };
-        let said = format!("wrote {}{next}", printed(&place));
-        let outcome = self.print.outcome(screen, document)?.writing(move |files| {
-            if let Some(ready) = ready {
-                return Ok(ready);
-            }
+        let outcome = self.print.outcome(screen, document)?;
+        let whole = || {
             let mut bytes = Vec::new();
-            long.read_to_end(&mut bytes).map_err(|e| not_written("cannot write", &place, &e))?;
-            files.write(&place, &bytes, force)
-        });
-        Ok(outcome.saying(detail, said))
+            long.read_to_end(&mut bytes).map_err(|e| not_written("cannot write", place, &e))?;
+            files.write(place, &bytes, self.force)
+        };
+        let ready = ready.map_or_else(whole, Ok)?;
+        Ok(outcome.writing(ready).saying(detail, format!("wrote {}{next}", printed(place))))
     }
 
     /// Refuses a directory that is not free, before anything is computed.
@@ -127,20 +126,15 @@ impl Output {
     /// The files, and then the last one; `next_steps` are said.
     pub(super) fn deliver_files<'a>(
         &self,
+        files: &dyn Files,
         outcome: Outcome,
-        files: impl IntoIterator<Item = NamedBytes<'a>>,
+        own: impl IntoIterator<Item = NamedBytes<'a>>,
         last: NamedBytes<'a>,
         next_steps: String,
-    ) -> Outcome {
-        let own = files.into_iter().chain([last]);
-        let own = own.map(|(name, bytes)| (name.to_string(), bytes.to_vec()));
-        let (own, place) = (own.collect::<Vec<_>>(), self.directory().to_path_buf());
-        let force = self.force;
-        let outcome = outcome.writing(move |files| {
-            let own = own.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-            files.write_folder(&place, &own.collect::<Vec<_>>(), force)
-        });
-        outcome.saying(self.print.detail, next_steps)
+    ) -> Result<Outcome, Problems> {
+        let own: Vec<NamedBytes<'_>> = own.into_iter().chain([last]).collect();
+        let ready = files.write_folder(self.directory(), &own, self.force)?;
+        Ok(outcome.writing(ready).saying(self.print.detail, next_steps))
     }
 }
 
@@ -166,11 +160,6 @@ pub(super) fn held(bytes: impl Into<Vec<u8>>) -> Begun {
     (Box::new(Cursor::new(bytes.into())), None)
 }
 
-/// An output, complete beside its place.
-type Beside = Result<Box<dyn Ready>, Problems>;
-/// What makes it.
-type Making = Box<dyn FnOnce(&dyn Files) -> Beside>;
-
 /// What a command answered.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Answer {
@@ -189,13 +178,14 @@ pub(super) struct Outcome {
     yes: bool,
     /// What goes to standard output, from here to its end.
     data: Box<dyn Long>,
-    writes: Vec<Making>,
+    /// What lies beside its place.
+    ready: Vec<Box<dyn Ready>>,
     talk: String,
 }
 
 impl Outcome {
     fn of(data: Box<dyn Long>) -> Outcome {
-        Outcome { yes: true, data, writes: Vec::new(), talk: String::new() }
+        Outcome { yes: true, data, ready: Vec::new(), talk: String::new() }
     }
 
     /// A page for people.
@@ -220,8 +210,8 @@ impl Outcome {
     }
 
     /// The same, and this is put into its place.
-    pub(super) fn writing(mut self, write: impl FnOnce(&dyn Files) -> Beside + 'static) -> Outcome {
-        self.writes.push(Box::new(write));
+    pub(super) fn writing(mut self, ready: Box<dyn Ready>) -> Outcome {
+        self.ready.push(ready);
         self
     }
 
@@ -235,20 +225,11 @@ impl Outcome {
     }
 
     /// Lets everything out; the answer, and what is to be said.
-    pub(super) fn deliver(
-        mut self,
-        files: &dyn Files,
-        out: &mut dyn Write,
-    ) -> Result<(bool, String), Problems> {
-        let mut ready = Vec::new();
-        for write in std::mem::take(&mut self.writes) {
-            let written = write(files)?;
-            written.complete()?;
-            ready.push(written);
-        }
+    pub(super) fn deliver(mut self, out: &mut dyn Write) -> Result<(bool, String), Problems> {
+        self.ready.iter().try_for_each(|ready| ready.complete())?;
         self.print(out)
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
-        ready.into_iter().try_for_each(|ready| ready.put())?;
+        self.ready.into_iter().try_for_each(|ready| ready.put())?;
         Ok((self.yes, self.talk))
     }
 
@@ -304,6 +285,7 @@ impl Plot {
     /// The same outcome with the picture, if one is asked for; drawn only then.
     pub(super) fn beside(
         &self,
+        files: &dyn Files,
         outcome: Outcome,
         force: bool,
         picture: impl FnOnce(Locale<'_>) -> Picture,
@@ -314,8 +296,7 @@ impl Plot {
         let texts = Texts::english()?;
         let locale = Locale { texts: &texts, shown: Shown::Metric };
         let bytes = picture(locale).svg(locale).into_bytes();
-        let place = place.clone();
-        Ok(outcome.writing(move |files| files.write(&place, &bytes, force)))
+        Ok(outcome.writing(files.write(place, &bytes, force)?))
     }
 }
 
@@ -323,11 +304,12 @@ impl Shows {
     /// The screen or the document, with the picture, if one is asked for.
     pub(super) fn outcome<D: Serialize>(
         &self,
+        files: &dyn Files,
         screen: impl FnOnce() -> Screen,
         document: impl FnOnce() -> D,
         picture: impl FnOnce(Locale<'_>) -> Picture,
     ) -> Result<Outcome, Problems> {
-        self.plot.beside(self.print.outcome(screen, document)?, self.force, picture)
+        self.plot.beside(files, self.print.outcome(screen, document)?, self.force, picture)
     }
 }
 

@@ -47,8 +47,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let content = points.map(|points| points.content(options.output.place())).transpose()?;
     let next = format!(" ({} samples)", page.before.samples);
     let output = &options.output;
-    let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
-    options.plot.beside(outcome, output.force, |locale| page.picture(locale))
+    let outcome = output.deliver(files, content, || page.screen(), || page.document(), &next)?;
+    options.plot.beside(files, outcome, output.force, |locale| page.picture(locale))
 }
 
 /// The page, and the samples where a file of them is asked for.

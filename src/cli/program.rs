@@ -41,7 +41,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
     let outcome = print.outcome(|| screen(job, &profile.name, &kit), || &kit)?;
     let next_steps = next_steps(directory, &kit, table);
-    Ok(options.output.deliver_files(outcome, own, (MANIFEST, &manifest), next_steps))
+    options.output.deliver_files(files, outcome, own, (MANIFEST, &manifest), next_steps)
 }
 
 /// The table of readings that the job names for this run.

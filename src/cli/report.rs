@@ -80,7 +80,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         })
     };
     let document = || Document { schema: 1, verdict: word };
-    let outcome = options.output.deliver(Some(content), screen, document, "")?;
+    let outcome = options.output.deliver(files, Some(content), screen, document, "")?;
     Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
 }
 

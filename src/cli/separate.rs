@@ -78,7 +78,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         SetUp::AssumePerfect => Vec::new(),
     };
     let document = || of_steps(found, &advice);
-    let outcome = output.deliver(csv, || text::screen(found, &advice), document, "")?;
+    let outcome = output.deliver(files, csv, || text::screen(found, &advice), document, "")?;
     // No, where an error is not determined or something contradicts the result.
     let outcome = outcome.answering(separation.stands());
     let picture = |locale: Locale<'_>| {
@@ -86,7 +86,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         let heading = format!("{}: {words}", campaign.job.machine.name);
         separated(locale, &heading, &separation)
     };
-    options.plot.beside(outcome, output.force, picture)
+    options.plot.beside(files, outcome, output.force, picture)
 }
 
 fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {

@@ -129,7 +129,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     };
     let figures = simulation.map_or_else(String::new, figures);
     let screen = || screen(&inputs, &origin, &what, figures);
-    options.output.deliver(Some(held(text)), screen, document, &format!(" ({SIMULATED})"))
+    options.output.deliver(files, Some(held(text)), screen, document, &format!(" ({SIMULATED})"))
 }
 
 /// What scripts read: of diagonals, or of an error table.

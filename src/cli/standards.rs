@@ -12,7 +12,7 @@ use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::page::{Locale, Picture};
 use crate::quantity::{Axis, Direction};
-use crate::text::{Finding, LengthUnit, Problem, Problems};
+use crate::text::{LengthUnit, Problem, Problems};
 use crate::visit::files::Files;
 use crate::visit::job_files::Given;
 use clap::Args;
@@ -62,19 +62,19 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let file = Given::read(files, &options.file)?;
     let input = file.kind();
     options.refuse_foreign(input)?;
-    match input {
-        FileKind::Job => of_job(files, &options.file, &options.shows),
-        FileKind::Readings => of_readings(file.source()?, &options.shows),
+    let (runs, facts) = match input {
+        FileKind::Job => return of_job(files, &options.file)?.outcome(files, &options.shows),
+        FileKind::Readings => {
+            return of_readings(file.source()?)?.outcome(files, &options.shows);
+        }
         FileKind::Table => {
             let stated = Stated { unit: options.unit, values: options.values };
-            options.axis(&file.name, &Runs::read(&file.source()?, stated)?, Vec::new())
+            (Runs::read(&file.source()?, stated)?, Vec::new())
         }
-        FileKind::Rtl => {
-            let (runs, findings) =
-                measured_runs(file.measurement(), options.encoding, &options.stated())?;
-            options.axis(&file.name, &runs, findings)
-        }
-    }
+        FileKind::Rtl => measured_runs(file.measurement(), options.encoding, &options.stated())?,
+    };
+    let page = AxisPage::of(&file.name, &runs, options.travel_mm, facts)?;
+    options.shows.outcome(files, || page.screen(), || &page, |locale| page.picture(locale))
 }
 
 /// The document and the picture of runs of one axis, which say by themselves what they hold.
@@ -132,11 +132,5 @@ impl Options {
             }
         }
         problems.or_ok(())
-    }
-
-    /// Figures of one axis; `facts` are what its file states.
-    fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
-        let page = AxisPage::of(name, runs, self.travel_mm, notes)?;
-        self.shows.outcome(|| page.screen(), || &page, |locale| page.picture(locale))
     }
 }

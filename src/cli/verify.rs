@@ -44,7 +44,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let inputs = inputs::read(files, &options.job)?;
     let page = Page::read(files, &inputs, &options.job, &options.tables, options.after.as_deref())?;
     let picture = |locale: Locale<'_>| page.picture(locale);
-    let outcome = options.shows.outcome(|| page.screen(), || page.document(), picture)?;
+    let outcome = options.shows.outcome(files, || page.screen(), || page.document(), picture)?;
     Ok(outcome.answering(page.verdict() == Verdict::Pass))
 }
 

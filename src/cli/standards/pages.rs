@@ -262,7 +262,7 @@ const ALONG: &str = "along_diagonal";
 const ALONG_STEPS: &str = "along_diagonal_steps";
 
 /// Figures of the readings that a job names.
-pub(super) fn of_job(on: &dyn Files, path: &Path, shows: &Shows) -> Result<Outcome, Problems> {
+pub(super) fn of_job(on: &dyn Files, path: &Path) -> Result<DiagonalPage, Problems> {
     let files = read_campaign(on, path)?;
     let measurement = &files.measurement;
     let (runs, all) = match measurement.kind {
@@ -278,15 +278,15 @@ pub(super) fn of_job(on: &dyn Files, path: &Path, shows: &Shows) -> Result<Outco
     };
     let figures = by_standard(&measurement.volume, measurement.kind, &runs, true)?;
     let notes = notes(all > runs.len()).into_iter().chain(files.readings.zeroed()).collect();
-    DiagonalPage::new(&measurement.readings, ALONG, figures, notes).outcome(shows)
+    Ok(DiagonalPage::new(&measurement.readings, ALONG, figures, notes))
 }
 
 /// The document and the picture of readings that were separated.
-pub(in crate::cli) fn of_separation<'a>(
+pub(in crate::cli) fn of_separation(
     locale: Locale<'_>,
-    readings: &'a str,
+    readings: &str,
     separation: &Separation,
-) -> Result<(DiagonalPage<'a>, Picture), Problems> {
+) -> Result<(DiagonalPage, Picture), Problems> {
     let runs = &separation.zeroed_runs;
     let figures = by_standard(&separation.volume, PathKind::Step, runs, true)?;
     let page =
@@ -296,7 +296,7 @@ pub(in crate::cli) fn of_separation<'a>(
 }
 
 /// Figures of readings alone: those that the box has no part in.
-pub(super) fn of_readings(source: Source, shows: &Shows) -> Result<Outcome, Problems> {
+pub(super) fn of_readings(source: Source) -> Result<DiagonalPage, Problems> {
     let name = source.name.clone();
     let (readings, volume, kind) = Readings::without_job(source)?;
     let known = readings.runs.iter().cloned();
@@ -305,7 +305,7 @@ pub(super) fn of_readings(source: Source, shows: &Shows) -> Result<Outcome, Prob
     notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());
     let figures = by_standard(&volume, kind, &known, false)?;
-    DiagonalPage::new(&name, ALONG_STEPS, figures, notes).outcome(shows)
+    Ok(DiagonalPage::new(&name, ALONG_STEPS, figures, notes))
 }
 
 fn notes(dropped: bool) -> Vec<Finding> {
@@ -316,11 +316,11 @@ fn notes(dropped: bool) -> Vec<Finding> {
 
 /// What the standards say about the body diagonals, as documents have it.
 #[derive(Serialize)]
-pub(in crate::cli) struct DiagonalPage<'a> {
+pub(in crate::cli) struct DiagonalPage {
     schema: u32,
     iso_230_6: Iso2306,
     #[serde(skip)]
-    name: &'a str,
+    name: String,
     /// Key of what stands at the lower edge of the picture.
     #[serde(skip)]
     across: &'static str,
@@ -335,20 +335,20 @@ struct Iso2306 {
     notes: Vec<Finding>,
 }
 
-impl DiagonalPage<'_> {
-    fn new<'a>(
-        name: &'a str,
+impl DiagonalPage {
+    fn new(
+        name: &str,
         across: &'static str,
         figures: Diagonals,
         notes: Vec<Finding>,
-    ) -> DiagonalPage<'a> {
+    ) -> DiagonalPage {
         let iso_230_6 = Iso2306 { confidence: DIAGONALS, figures, notes };
-        DiagonalPage { schema: 1, iso_230_6, name, across }
+        DiagonalPage { schema: 1, iso_230_6, name: name.to_string(), across }
     }
 
-    fn outcome(&self, shows: &Shows) -> Result<Outcome, Problems> {
-        let picture = |locale: Locale<'_>| self.picture(locale, self.name);
-        shows.outcome(|| self.screen(), || self, picture)
+    pub(super) fn outcome(&self, files: &dyn Files, shows: &Shows) -> Result<Outcome, Problems> {
+        let picture = |locale: Locale<'_>| self.picture(locale, &self.name);
+        shows.outcome(files, || self.screen(), || self, picture)
     }
 
     fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
