@@ -16,24 +16,24 @@ mod verification;
 pub mod visit;
 pub mod visit_plan;
 
+use crate::control::controller::KitFile;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
 use crate::kit::manifest::{HashedFile, Machine, Manifest, Predecessor, SCHEMA, State};
-use crate::read::KitFile;
 pub use crate::read::emulator;
 pub use crate::text::sha256;
 use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
-use crate::write::emit::{self, RenderedFile, TOOL};
+use crate::write::emit::{self, TOOL};
 use crate::write::plan::Plan;
 use field::Shown;
 pub(crate) use inputs::{Asked, cannot_emulate};
 pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
-use loaded::{Made, as_read, named_backlash};
+use loaded::{Made, named_backlash};
 use serde::Serialize;
 pub(crate) use verification::second_look;
 pub use verification::{SecondLook, Verification, forecast, verify, verify_read_out};
@@ -46,7 +46,7 @@ pub struct Kit {
     /// In the control's numbers.
     pub compiled: Compiled,
     /// The control's files.
-    pub files: Vec<RenderedFile>,
+    pub files: Vec<KitFile>,
     /// What they add to every error.
     pub(crate) effect: Field,
     /// What they will leave.
@@ -60,14 +60,9 @@ pub struct Kit {
 }
 
 impl Kit {
-    /// The control's files as a reader takes them.
-    pub fn kit_files(&self) -> Vec<KitFile<'_>> {
-        as_read(&self.files)
-    }
-
     /// The control with its files.
     pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
-        Loaded::own(Asked::of(inputs)?, &self.kit_files())
+        Loaded::own(Asked::of(inputs)?, &self.files)
     }
 
     /// The bytes of `manifest.json`.
@@ -97,10 +92,8 @@ fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
     let Made { inputs, plan, compiled, files, forecast, doubts, .. } = made;
     let (Job { machine, measurement, .. }, controller) = (&inputs.job, inputs.profile.id.clone());
     let active = inputs.active.as_ref();
-    let hashed = |file: &RenderedFile| HashedFile {
-        role: Some(file.role),
-        ..hashed(&file.path, &file.bytes)
-    };
+    let hashed =
+        |file: &KitFile| HashedFile { role: Some(file.role), ..hashed(&file.path, &file.bytes) };
     let decides = doubts.is_empty().then(|| inputs.judged(forecast).what_decides());
     Manifest {
         schema: SCHEMA,

@@ -4,7 +4,7 @@ use crate::bundle::Bundle;
 use crate::grammar;
 use crate::oracles;
 use crate::readers::{Answer, built_in, profile_of};
-use nonius::control::controller::{Profile, Role};
+use nonius::control::controller::{KitFile, Profile, Role};
 use nonius::inputs::error_table::{self, Draft, ErrorTable};
 use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
@@ -13,7 +13,6 @@ use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
 use nonius::machine::separation::campaign::{NamedTables, campaign};
 use nonius::machine::separation::straight::straight;
 use nonius::machine::separation::{separate, table};
-use nonius::read::KitFile;
 use nonius::text::{Problem, Problems, Source};
 
 fn source(bundle: &Bundle, name: &str) -> Result<Source, Problems> {
@@ -114,7 +113,7 @@ pub fn generate(input: &[u8]) -> Answer {
     let manifest = kit.manifest_bytes()?;
     let named: Option<serde_json::Value> = serde_json::from_slice(&manifest).ok();
     let state = named.as_ref().map(|manifest| &manifest["state"]);
-    let found = match judge(&inputs, &kit.kit_files(), state, Vec::new()) {
+    let found = match judge(&inputs, &kit.files, state, Vec::new()) {
         Ok(found) => found,
         Err(problems) => panic!("verify refuses what generate made: {}", problems.render()),
     };
@@ -143,8 +142,12 @@ pub fn verify(input: &[u8]) -> Answer {
     let inputs = inputs_of(&bundle)?;
     let files =
         bundle.0.iter().filter(|(name, _)| !name.ends_with(".toml") && !name.starts_with("errors"));
-    let files: Vec<KitFile<'_>> = files
-        .map(|(path, bytes)| KitFile { path, role: role(&inputs.profile, path), bytes })
+    let files: Vec<KitFile> = files
+        .map(|(path, bytes)| KitFile {
+            path: path.to_string(),
+            role: role(&inputs.profile, path),
+            bytes: bytes.to_vec(),
+        })
         .collect();
     let state = bundle
         .file("manifest.json")

@@ -4,7 +4,7 @@
 use crate::bundle::Bundle;
 use clap::ValueEnum;
 use nonius::control::controller::{
-    Dialect, FanucFacts, Profile, ProfileSource, Role, builtin, load,
+    Dialect, FanucFacts, KitFile, Profile, ProfileSource, Role, builtin, load,
 };
 use nonius::inputs::error_table::{ErrorTable, Remarks};
 use nonius::inputs::import::stated::{Stated, axis_word, direction_word};
@@ -16,7 +16,7 @@ use nonius::inputs::problems;
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
-    KitFile, fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
+    fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
 };
 use nonius::text::{LengthUnit, Problem, Problems, Source};
 use part_program::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
@@ -195,7 +195,8 @@ pub fn fanuc(input: &[u8]) -> Answer {
 /// What the reader of a control makes of files of a kit.
 fn kit<'a>(id: &str, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Answer {
     let role = Role::Table;
-    let files = files.map(|(path, bytes)| KitFile { path, role, bytes });
+    let files =
+        files.map(|(path, bytes)| KitFile { path: path.to_string(), role, bytes: bytes.to_vec() });
     let read = nonius::read::read(&built_in(id)?, &files.collect::<Vec<_>>())?;
     // What is said of names passes this on its way to a person.
     Ok(nonius::text::page(&format!("{read:?}")).into_owned())

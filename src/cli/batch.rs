@@ -377,7 +377,6 @@ const REMARKS: &str = "remarks";
 #[cfg(test)]
 mod tests {
     use super::{Answered, Options, head, run};
-    use crate::visit::files::Memory;
     use std::path::PathBuf;
 
     fn answered(question: &[u8]) -> Answered {

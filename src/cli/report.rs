@@ -221,7 +221,7 @@ fn of_own_tables<'a>(visit: &mut Visit, inputs: &'a Inputs) -> Result<verify::Pa
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
     let state = serde_json::to_value(&kit.manifest.state).ok();
-    let verification = kit::verify(inputs, &kit.kit_files(), state.as_ref(), Vec::new())?;
+    let verification = kit::verify(inputs, &kit.files, state.as_ref(), Vec::new())?;
     Ok(verify::Page::of(verification, None))
 }
 

@@ -3,6 +3,7 @@
 use crate::cli::outcome::{Outcome, Output, held, number};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show;
+use crate::control::controller::KitFile;
 use crate::inputs::error_table;
 use crate::inputs::job::{MeasuredData, UseOf};
 use crate::kit::findings::InRehearsal;
@@ -12,7 +13,6 @@ use crate::kit::simulate::{
 };
 use crate::kit::{Inputs, Loaded, generate, hashed};
 use crate::quantity::{Figure, PathKind};
-use crate::read::KitFile;
 use crate::text::{Finding, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
@@ -162,18 +162,18 @@ fn tables<'a>(
     files: &dyn Files,
     inputs: &'a Inputs,
 ) -> Result<(Option<Loaded<'a>>, SimulationSource), Problems> {
-    let hashes = |files: &[KitFile<'_>]| files.iter().map(|f| hashed(f.path, f.bytes)).collect();
+    let hashes = |files: &[KitFile]| files.iter().map(|f| hashed(&f.path, &f.bytes)).collect();
     let (tables, table_files, loaded) = match &options.tables {
         _ if options.without_tables => ("without tables".to_string(), Vec::new(), None),
         None => {
             let kit = generate(inputs)?;
-            let (words, files) = ("with the tables that generate makes from it", kit.kit_files());
+            let (words, files) = ("with the tables that generate makes from it", &kit.files);
             (words.to_string(), hashes(&files), Some(rehearsed(inputs, &files, None)?))
         }
         Some(directory) => {
             let found = read_directory(files, inputs, directory)?;
             let words = format!("with the tables in {}", file_name(directory));
-            (words, hashes(&found.kit_files()), Some(found.rehearse(inputs)?))
+            (words, hashes(&found.files), Some(found.rehearse(inputs)?))
         }
     };
     let notes = loaded.iter().flat_map(|loaded| loaded.findings.clone()).collect();

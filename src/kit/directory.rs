@@ -3,15 +3,13 @@
 
 use super::simulate::rehearsed;
 use super::{Asked, Inputs, Loaded, Verification, sha256, verify, verify_read_out};
-use crate::control::controller::{Profile, Role};
+use crate::control::controller::{KitFile, Profile, Role};
 use crate::judge::active::{ActiveControl, Fault, ReadOutFor, faults, from_read_out, listed};
 use crate::judge::findings::{FileFault, InControl};
 use crate::kit::findings::InDirectory;
-use crate::kit::loaded::{as_kit_file, as_read};
 use crate::kit::manifest::HashedFile;
-use crate::read::{KitFile, is_whole, may_be_meant_for};
+use crate::read::{is_whole, may_be_meant_for};
 use crate::text::{Finding, Kind, Problem, Problems, Severity, json_page, of_severity, shown};
-use crate::write::emit::RenderedFile;
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -22,7 +20,7 @@ pub struct Directory {
     /// How a person called it.
     path: String,
     /// What the control could read.
-    files: Vec<RenderedFile>,
+    pub(crate) files: Vec<KitFile>,
     /// What makes the verdict `fail` (disagreements); what was ignored, and what may explain a
     /// disagreement (notes).
     findings: Vec<Finding>,
@@ -48,7 +46,7 @@ impl Directory {
         let named = |(path, bytes): (String, _)| {
             // What the profile does not know is taken for tables.
             let role = profile.file(&path).map_or(Role::Table, |file| file.role);
-            RenderedFile { path, role, bytes }
+            KitFile { path, role, bytes }
         };
         let files = files.into_iter().map(named).collect();
         let mut found = Directory { path, files, ..Directory::default() };
@@ -73,7 +71,7 @@ impl Directory {
     /// The folder of a visit is no kit: with a file that the tables are made from among them, every file would be
     /// complained of.
     fn ensure_holds_no_input(&self, inputs: &Inputs) -> Result<(), Problem> {
-        let is_input = |file: &&RenderedFile| {
+        let is_input = |file: &&KitFile| {
             let own = sha256(&file.bytes);
             inputs.hashes.iter().any(|input| input.sha256 == own)
         };
@@ -94,17 +92,12 @@ impl Directory {
         self.findings.push(InDirectory::Ignored { file, why }.into());
     }
 
-    /// The files as the readers take them.
-    pub(crate) fn kit_files(&self) -> Vec<KitFile<'_>> {
-        as_read(&self.files)
-    }
-
     /// The files in the emulated control of the job, with what the manifest says against them.
     pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
         let active = self.read_out(inputs)?;
         let loaded = Asked::of(inputs).and_then(|asked| match active {
             Some(active) => Loaded::read_out(asked, &active),
-            None => Loaded::kit(asked, &self.kit_files(), self.state.as_ref()),
+            None => Loaded::kit(asked, &self.files, self.state.as_ref()),
         });
         let mut loaded = loaded.map_err(|problems| self.instead_of(problems))?;
         self.add_to(&mut loaded);
@@ -125,7 +118,7 @@ impl Directory {
     pub(crate) fn rehearse<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
         let mut loaded = match self.read_out(inputs)? {
             Some(active) => Loaded::read_out(Asked::of(inputs)?, &active)?,
-            None => rehearsed(inputs, &self.kit_files(), self.state.as_ref())
+            None => rehearsed(inputs, &self.files, self.state.as_ref())
                 .map_err(|problems| self.instead_of(problems))?,
         };
         let own = loaded.findings.clone();
@@ -163,7 +156,7 @@ impl Directory {
 
     fn verify_kit<'a>(&self, inputs: &'a Inputs) -> Result<Verification<'a>, Problems> {
         let named = self.state.as_ref();
-        let mut verification = verify(inputs, &self.kit_files(), named, self.faults())
+        let mut verification = verify(inputs, &self.files, named, self.faults())
             .map_err(|problems| self.instead_of(problems))?;
         if named.is_none() {
             let called = self.called_as_a_kit(&inputs.profile).map(shown);
@@ -228,7 +221,7 @@ impl Directory {
             if listed.contains(path) {
                 self.files.push(file);
             } else if profile.file(path).is_some_and(|own| !own.role.is_written_into())
-                || may_be_meant_for(profile, &as_kit_file(&file))
+                || may_be_meant_for(profile, &file)
             {
                 self.findings.push(InDirectory::NotListed { file: shown(path) }.into());
                 self.files.push(file);

@@ -12,7 +12,7 @@ mod proofs;
 
 use crate::control::checklist::{KitFacts, List, Listed, Paragraph, parts};
 use crate::control::claims::{Assumption, Precondition, SeenTo, shared};
-use crate::control::controller::{Mechanism, Role};
+use crate::control::controller::{KitFile, Mechanism, Role};
 use crate::judge::active::Origin;
 
 use crate::judge::conformity::Verdict;
@@ -21,13 +21,13 @@ use crate::judge::field::{Field, Pair};
 use crate::judge::forecast::{self, Miss};
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
 use crate::kit::inputs::{Asked, Inputs, cannot_emulate, remarks};
-use crate::kit::loaded::{Made, as_read};
+use crate::kit::loaded::Made;
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
 use crate::read::emulate::{Emulated, Emulator, Response};
-use crate::read::{KitFile, ReadBack, emulator, read_apart};
+use crate::read::{ReadBack, emulator, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems, grouped};
 use crate::write::compensation::{Compiled, displayed, uses};
-use crate::write::emit::{self, Emitted, RenderedFile, Words};
+use crate::write::emit::{self, Emitted, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
@@ -35,7 +35,7 @@ pub(super) use proofs::Shown;
 
 /// What is written beside the tables of a kit.
 pub(super) struct FieldKit {
-    pub(super) files: Vec<RenderedFile>,
+    pub(super) files: Vec<KitFile>,
     /// What each sign proof has to show, for the manifest.
     pub(super) sign_proofs: Vec<Shown>,
     /// Mechanisms without a sign proof, and a rollback that is not whole.
@@ -81,10 +81,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
 }
 
 /// How the files of a directory that stand apart differ from those of the job.
-pub(super) fn differences(
-    asked: &Asked<'_>,
-    files: &[KitFile<'_>],
-) -> Result<Vec<Finding>, Problems> {
+pub(super) fn differences(asked: &Asked<'_>, files: &[KitFile]) -> Result<Vec<Finding>, Problems> {
     let inputs = asked.inputs;
     let mut found: Vec<Finding> = Vec::new();
     let proved = proof_files(inputs, files);
@@ -93,7 +90,7 @@ pub(super) fn differences(
         for (mechanism, files) in proved {
             let read = read_apart(&inputs.profile, &files, Role::SignProof)?;
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
-            let names: Vec<&str> = files.iter().map(|file| file.path).collect();
+            let names: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
             let file = names.join("`, `");
             let sets_data = read.machine_data.iter().any(|file| !file.data.is_empty());
             if sets_data || proof.is_none_or(|p| p.tables != read.tables) {
@@ -110,14 +107,10 @@ pub(super) fn differences(
 }
 
 /// The files of each sign proof, which are read together.
-fn proof_files<'a>(
-    inputs: &Inputs,
-    files: &[KitFile<'a>],
-) -> Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> {
-    let mechanism =
-        |file: &KitFile<'_>| inputs.profile.file(file.path).and_then(|own| own.mechanism);
+fn proof_files(inputs: &Inputs, files: &[KitFile]) -> Vec<(Option<Mechanism>, Vec<KitFile>)> {
+    let mechanism = |file: &KitFile| inputs.profile.file(&file.path).and_then(|own| own.mechanism);
     let own = files.iter().filter(|file| file.role == Role::SignProof);
-    grouped(own.map(|file| (mechanism(file), *file)))
+    grouped(own.map(|file| (mechanism(file), file.clone())))
 }
 
 /// So many figures that miss the acceptance stand above the steps; [`about`] has all.
@@ -289,7 +282,7 @@ fn assumptions(compiled: &Compiled) -> Listed {
 /// What a kit writes for the rollback, and what it leaves to a person.
 #[derive(Default)]
 struct Rollback {
-    files: Vec<RenderedFile>,
+    files: Vec<KitFile>,
     /// Why there is no file, or what the files do not restore.
     not_written: Vec<Finding>,
     /// What a person does and sees after the files were loaded.
@@ -341,7 +334,7 @@ impl Before<'_> {
             ..Emitted::of_kit(self.task, self.compiled)
         };
         let files = emit::render_those(&emitted, |file| file.role == Role::Rollback)?;
-        let read = read_apart(self.task.profile, &as_read(&files), Role::Rollback);
+        let read = read_apart(self.task.profile, &files, Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {
             return Ok(Rollback::none(InRollback::OtherForm));
         }
@@ -399,10 +392,7 @@ fn moved(before: &Before<'_>, control: &dyn Emulator) -> Emulated<Vec<InRollback
 }
 
 /// Rollback files of a directory against what the job's read-out holds.
-fn rollback_differs(
-    asked: &Asked<'_>,
-    files: &[KitFile<'_>],
-) -> Result<Option<FieldFault>, Problems> {
+fn rollback_differs(asked: &Asked<'_>, files: &[KitFile]) -> Result<Option<FieldFault>, Problems> {
     let Asked { inputs, plan, compiled } = asked;
     if !files.iter().any(|file| file.role == Role::Rollback) {
         return Ok(None);

@@ -5,6 +5,7 @@
 //! that the kit is judged by may ask for another one.
 
 use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::KitFile;
 use crate::control::table::Tables;
 use crate::inputs::job::ActiveTables;
 use crate::judge::active::{ActiveControl, named_axis};
@@ -18,10 +19,10 @@ use crate::kit::findings::KitFinding;
 use crate::kit::inputs::{Asked, Inputs, cannot_emulate, judged};
 use crate::quantity::{Axis, rounded};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::{KitFile, ReadBack, emulator, read, unread};
+use crate::read::{ReadBack, emulator, read, unread};
 use crate::text::{Finding, Problem, Problems, Severity, of_severity};
 use crate::write::compensation::Compiled;
-use crate::write::emit::{self, RenderedFile};
+use crate::write::emit;
 use crate::write::plan::{Plan, Task};
 use crate::write::target::wants;
 use serde_json::Value;
@@ -60,7 +61,7 @@ impl<'a> Loaded<'a> {
     /// The files of a kit; `named` = `state` of their manifest. Everything that they hold counts.
     pub(super) fn kit(
         asked: Asked<'a>,
-        files: &[KitFile<'_>],
+        files: &[KitFile],
         named: Option<&Value>,
     ) -> Result<Loaded<'a>, Problems> {
         let outside = loaded_state(&asked, named);
@@ -68,7 +69,7 @@ impl<'a> Loaded<'a> {
     }
 
     /// The files that were made for the job, in the control that it describes.
-    pub(super) fn own(asked: Asked<'a>, files: &[KitFile<'_>]) -> Result<Loaded<'a>, Problems> {
+    pub(super) fn own(asked: Asked<'a>, files: &[KitFile]) -> Result<Loaded<'a>, Problems> {
         let outside = (asked.compiled.state.clone(), Vec::new());
         Loaded::files(asked, files, outside)
     }
@@ -76,7 +77,7 @@ impl<'a> Loaded<'a> {
     /// The files of a kit, with the control outside them.
     fn files(
         asked: Asked<'a>,
-        files: &[KitFile<'_>],
+        files: &[KitFile],
         (state, of_state): Outside,
     ) -> Result<Loaded<'a>, Problems> {
         let profile = &asked.inputs.profile;
@@ -92,7 +93,7 @@ impl<'a> Loaded<'a> {
     }
 
     /// The control of a job with its tables as they were compiled; `files`: those that no reader takes.
-    pub(super) fn compiled(asked: Asked<'a>, files: &[KitFile<'_>]) -> Loaded<'a> {
+    pub(super) fn compiled(asked: Asked<'a>, files: &[KitFile]) -> Loaded<'a> {
         let profile = &asked.inputs.profile;
         let Compiled { tables, state, .. } = asked.compiled.clone();
         let (unread, control) = (unread(profile, files), emulator(profile, &tables, &state));
@@ -292,7 +293,7 @@ pub(crate) struct Made<'a> {
     pub(crate) plan: Plan,
     pub(crate) compiled: Compiled,
     /// The files of the kit itself.
-    pub(crate) files: Vec<RenderedFile>,
+    pub(crate) files: Vec<KitFile>,
     /// What the tables that were read back from them add to every term; the tables are those of `compiled`.
     pub(crate) effect: Field,
     /// What the files will leave.
@@ -308,7 +309,7 @@ impl Made<'_> {
     pub(super) fn of(inputs: &Inputs) -> Result<Made<'_>, Problems> {
         let asked = Asked::of(inputs)?;
         let files = emit::render(inputs.task(), &asked.compiled)?;
-        let loaded = Loaded::own(asked, &as_read(&files)).map_err(not_read_back)?;
+        let loaded = Loaded::own(asked, &files).map_err(not_read_back)?;
         ensure_same(&loaded)?;
         let effect = loaded.effect()?;
         let forecast = loaded.forecast(&effect);
@@ -344,10 +345,6 @@ pub(super) fn doubts(inputs: &Inputs) -> Vec<Finding> {
     doubts
 }
 
-pub(super) fn as_read(files: &[RenderedFile]) -> Vec<KitFile<'_>> {
-    files.iter().map(as_kit_file).collect()
-}
-
 fn not_read_back(problems: Problems) -> Problems {
     const WORDS: &str =
         "the files that the templates made cannot be read back, so nothing is written";
@@ -379,9 +376,4 @@ fn ensure_same(loaded: &Loaded<'_>) -> Result<(), Problems> {
         problems.push(Problem::new(words.to_string()));
     }
     Err(problems)
-}
-
-/// A file as the readers take it.
-pub(crate) fn as_kit_file(file: &RenderedFile) -> KitFile<'_> {
-    KitFile { path: &file.path, role: file.role, bytes: &file.bytes }
 }

@@ -17,6 +17,7 @@
 mod readings;
 
 pub use self::readings::{Predicted, Simulation, SimulationSource, readings, single_axes, write};
+use crate::control::controller::KitFile;
 use crate::inputs::error_table::ErrorTable;
 pub use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{DiagonalMeasurement, Job, Material, Reflector};
@@ -31,7 +32,7 @@ use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, rounded,
 };
-use crate::read::{KitFile, ReadFinding};
+use crate::read::ReadFinding;
 use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::compile;
 use crate::write::plan::plan;
@@ -97,7 +98,7 @@ fn written(um: f64) -> f64 {
 /// manifest.
 pub fn rehearsed<'a>(
     inputs: &'a Inputs,
-    files: &[KitFile<'_>],
+    files: &[KitFile],
     named: Option<&Value>,
 ) -> Result<Loaded<'a>, Problems> {
     let task = inputs.task();

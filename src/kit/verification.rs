@@ -1,7 +1,8 @@
 //! The bytes of a directory, judged against a job, and a measurement with them active.
 
 use super::inputs::{Asked, Inputs, cannot_emulate, judged};
-use super::loaded::{Loaded, as_read, doubts};
+use super::loaded::{Loaded, doubts};
+use crate::control::controller::KitFile;
 use crate::inputs::job::Job;
 use crate::judge::active::ActiveControl;
 use crate::judge::after::{AfterMeasurement, Comparison, compare, observations, unseen_reversal};
@@ -13,7 +14,7 @@ use crate::judge::forecast::Forecast;
 use crate::kit::field;
 use crate::kit::findings::KitFinding;
 use crate::quantity::{Direction, PerAxis};
-use crate::read::{KitFile, emulator};
+use crate::read::emulator;
 use crate::text::{Finding, Problem, Problems, Severity, of_severity};
 use crate::write::emit;
 
@@ -39,7 +40,7 @@ pub struct Verification<'a> {
 /// `before` = what was found against the directory before, for instance changed hashes.
 pub fn verify<'a>(
     inputs: &'a Inputs,
-    files: &[KitFile<'_>],
+    files: &[KitFile],
     named: Option<&serde_json::Value>,
     before: Vec<Finding>,
 ) -> Result<Verification<'a>, Problems> {
@@ -67,7 +68,7 @@ pub fn verify_read_out<'a>(
 pub fn forecast(inputs: &Inputs) -> Result<Verification<'_>, Problems> {
     let asked = Asked::of(inputs)?;
     let files = emit::render_unread(inputs.task(), &asked.compiled)?;
-    Ok(Verification::of(Loaded::compiled(asked, &as_read(&files)), Vec::new()))
+    Ok(Verification::of(Loaded::compiled(asked, &files), Vec::new()))
 }
 
 impl<'a> Verification<'a> {

@@ -2,7 +2,7 @@
 //! through it.
 
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Added, Dialect, Encoding, Example, Profile, Role};
+use crate::control::controller::{Added, Dialect, Encoding, Example, KitFile, Profile, Role};
 use crate::control::table::Tables;
 use crate::control::table::siemens::MachineDatum;
 use crate::quantity::{Direction, Figure, Millimetres};
@@ -67,17 +67,6 @@ pub(crate) fn load(profile: &Profile, held: &mut Tables, file: Tables) {
     family(&profile.dialect).load(held, file);
 }
 
-/// A file of a kit as it lies on the disk.
-#[derive(Clone, Copy, Debug)]
-pub struct KitFile<'a> {
-    /// Its name.
-    pub path: &'a str,
-    /// What it is for.
-    pub role: Role,
-    /// Its bytes.
-    pub bytes: &'a [u8],
-}
-
 /// What a control holds after all files were loaded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadBack {
@@ -110,38 +99,35 @@ pub struct FileData {
 
 /// Reads all files of a kit through the reader of the profile's family. Checklists and reports are
 /// not read, and files that stand apart (`rollback`, `sign-proof`) are not part of the kit's memory.
-pub fn read(profile: &Profile, files: &[KitFile<'_>]) -> Result<ReadBack, Problems> {
+pub fn read(profile: &Profile, files: &[KitFile]) -> Result<ReadBack, Problems> {
     read_role(profile, files, |role| !role.stands_apart())
 }
 
 /// Reads the files of one role that stands apart as a memory of their own.
-pub fn read_apart(
-    profile: &Profile,
-    files: &[KitFile<'_>],
-    role: Role,
-) -> Result<ReadBack, Problems> {
+pub fn read_apart(profile: &Profile, files: &[KitFile], role: Role) -> Result<ReadBack, Problems> {
     read_role(profile, files, |other| other == role)
 }
 
 fn read_role(
     profile: &Profile,
-    files: &[KitFile<'_>],
+    files: &[KitFile],
     is_wanted: impl Fn(Role) -> bool,
 ) -> Result<ReadBack, Problems> {
     let mut problems = Problems::none();
     let mut texts = Vec::new();
-    let is_read = |file: &&KitFile<'_>| file.role.is_read_back() && is_wanted(file.role);
+    let is_read = |file: &&KitFile| file.role.is_read_back() && is_wanted(file.role);
     for file in files.iter().filter(is_read) {
-        match kit_text(profile, file.bytes) {
+        match kit_text(profile, &file.bytes) {
             Some(text) => texts.push((file, text)),
-            None => problems.push(not_text(profile, file.path)),
+            None => problems.push(not_text(profile, &file.path)),
         }
     }
     if texts.is_empty() && problems.is_empty() {
         return Err(Problem::new("there is no file to read back").into());
     }
     let roles: Vec<Role> = texts.iter().map(|(file, _)| file.role).collect();
-    let texts: Vec<(&str, &str)> = texts.iter().map(|(file, text)| (file.path, &**text)).collect();
+    let texts: Vec<(&str, &str)> =
+        texts.iter().map(|(file, text)| (file.path.as_str(), &**text)).collect();
     match problems.take(family(&profile.dialect).read_kit(&texts, &roles)) {
         Some(read) => problems.or_ok(read),
         None => Err(problems),
@@ -160,12 +146,12 @@ pub(super) fn quoted(texts: &[(&str, &str)]) -> String {
 
 /// Files that a control may load and that no reader takes: whatever else is read back,
 /// nothing shows what the control will hold.
-pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<Finding> {
+pub(crate) fn unread(profile: &Profile, files: &[KitFile]) -> Option<Finding> {
     let is_unread = |name: &str| {
         let mut known = profile.files.iter().filter(|file| file.is_loaded_unread());
         known.any(|file| file.is_called(name))
     };
-    let names = files.iter().map(|file| file.path);
+    let names = files.iter().map(|file| file.path.as_str());
     let files: Vec<String> =
         names.filter(|name| is_unread(name)).map(|name| format!("`{}`", shown(name))).collect();
     (!files.is_empty()).then(|| ReadFinding::Unread { files }.into())
@@ -237,9 +223,9 @@ fn text<'a>(profile: &Profile, bytes: &'a [u8]) -> Option<Cow<'a, str>> {
 }
 
 /// Whether a file may mean something to the control of a profile ([`Family::may_obey`]).
-pub(crate) fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
-    let text = kit_text(profile, file.bytes);
-    family(&profile.dialect).may_obey(&text.unwrap_or_else(|| String::from_utf8_lossy(file.bytes)))
+pub(crate) fn may_be_meant_for(profile: &Profile, file: &KitFile) -> bool {
+    let text = kit_text(profile, &file.bytes);
+    family(&profile.dialect).may_obey(&text.unwrap_or_else(|| String::from_utf8_lossy(&file.bytes)))
 }
 
 // What the reader and the emulated control make of a profile's examples, against what stands there.
@@ -257,8 +243,12 @@ pub fn check_examples(profile: &Profile) -> Result<(), Problems> {
 fn check(profile: &Profile, example: &Example) -> Result<(), Problems> {
     let role = Role::Table;
     let files = example.files.iter();
-    let files = files.map(|own| KitFile { path: &own.path, role, bytes: own.text.as_bytes() });
-    let files: Vec<KitFile<'_>> = files.collect();
+    let files = files.map(|own| KitFile {
+        path: own.path.clone(),
+        role,
+        bytes: own.text.clone().into_bytes(),
+    });
+    let files: Vec<KitFile> = files.collect();
     let wrong = |words: String| Problem::new(format!("example of {}: {words}", example.source));
     let read = read(profile, &files)?;
     let control = emulator(profile, &read.tables, &example.state()).map_err(|why| wrong(why.0))?;

@@ -21,8 +21,7 @@ pub mod program;
 pub mod siemens;
 
 pub use self::family::{
-    FileData, KitFile, ReadBack, check_examples, emulator, is_whole, read, read_apart,
-    read_out_text,
+    FileData, ReadBack, check_examples, emulator, is_whole, read, read_apart, read_out_text,
 };
 pub(crate) use self::family::{file_name, load, may_be_meant_for, unread};
 pub(crate) use self::findings::ReadFinding;

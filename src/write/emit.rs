@@ -11,7 +11,9 @@ pub(crate) use templates::page;
 pub(super) use templates::text;
 
 use crate::control::checklist::{Paragraph, Part};
-use crate::control::controller::{EmittedFile, Encoding, Profile, Role, Template, builtin};
+use crate::control::controller::{
+    EmittedFile, Encoding, KitFile, Profile, Role, Template, builtin,
+};
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::Direction;
@@ -25,17 +27,6 @@ use serde::Serialize;
 use serde_json::Value;
 use std::cell::LazyCell;
 use tera::Map;
-
-/// A file of a kit, or of a measuring run, ready to be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RenderedFile<R = Role> {
-    /// Its name.
-    pub path: String,
-    /// What it is for.
-    pub role: R,
-    /// Its bytes.
-    pub bytes: Vec<u8>,
-}
 
 /// The name and version of the program, as it stands in files and manifests.
 pub const TOOL: &str = concat!("nonius ", env!("CARGO_PKG_VERSION"));
@@ -221,7 +212,7 @@ pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<Finding> {
 }
 
 /// The tables, parameters and switches of the kit, with the control's line ends.
-pub fn render(task: Task<'_>, compiled: &Compiled) -> Result<Vec<RenderedFile>, Problems> {
+pub fn render(task: Task<'_>, compiled: &Compiled) -> Result<Vec<KitFile>, Problems> {
     refuse_unsafe_text(task)?;
     render_those(&Emitted::of_kit(task, compiled), |file| {
         !file.role.stands_apart() && file.role != Role::Checklist
@@ -229,10 +220,7 @@ pub fn render(task: Task<'_>, compiled: &Compiled) -> Result<Vec<RenderedFile>, 
 }
 
 /// Of these the files that a control may load and no reader takes; nearly no profile has one.
-pub(crate) fn render_unread(
-    task: Task<'_>,
-    compiled: &Compiled,
-) -> Result<Vec<RenderedFile>, Problems> {
+pub(crate) fn render_unread(task: Task<'_>, compiled: &Compiled) -> Result<Vec<KitFile>, Problems> {
     let emitted = Emitted::of_kit(task, compiled);
     render_those(&emitted, EmittedFile::is_loaded_unread)
 }
@@ -251,7 +239,7 @@ pub(crate) fn render_checklist(
     task: Task<'_>,
     compiled: &Compiled,
     words: &Words,
-) -> Result<Vec<RenderedFile>, Problems> {
+) -> Result<Vec<KitFile>, Problems> {
     let words = Seen::try_from_serializable(words).map_err(templates::no_context)?;
     let head = head_of(&Emitted::of_kit(task, compiled));
     const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
@@ -271,7 +259,7 @@ pub(crate) fn render_checklist(
         seen.extend(names);
         let text = text(&file.template, &seen)?;
         let bytes = plain::page(&text.replace("\r\n", "\n")).into_owned().into_bytes();
-        rendered.push(RenderedFile { path: file.path.clone(), role: file.role, bytes });
+        rendered.push(KitFile { path: file.path.clone(), role: file.role, bytes });
     }
     Ok(rendered)
 }
@@ -287,7 +275,7 @@ pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
 pub(crate) fn render_those(
     emitted: &Emitted<'_>,
     is_wanted: impl Fn(&EmittedFile) -> bool,
-) -> Result<Vec<RenderedFile>, Problems> {
+) -> Result<Vec<KitFile>, Problems> {
     let profile = emitted.task.profile;
     let wanted: Vec<&EmittedFile> = profile.files.iter().filter(|file| is_wanted(file)).collect();
     if wanted.is_empty() {
@@ -303,7 +291,7 @@ pub(crate) fn render_those(
             seen.insert_value("item", item);
             let text = text(&file.template, &seen);
             let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
-            let file = |bytes| RenderedFile { path, role: file.role, bytes };
+            let file = |bytes| KitFile { path, role: file.role, bytes };
             files.extend(problems.take(bytes).map(file));
         }
     }

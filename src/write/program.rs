@@ -20,16 +20,14 @@ pub use self::run::{
     Digits, MeasuringRun, MirrorSize, Move, PlannedReading, RunTask, SetUpProgram, Subject,
 };
 
-use crate::control::controller::ControlUnit;
+use crate::control::controller::{ControlUnit, KitFile};
 use crate::inputs::job::{Job, ProgramRequest, Reflector, RunType, TargetGrid};
 use crate::quantity::{Axis, Direction, Pass, PerAxis};
 use crate::text::{Finding, Problem, Problems, findings, shown, words};
 use crate::write::control_text::{
     COMMENT_TEXT, Seen, ascii, fixed, is_comment_text, seen, trimmed,
 };
-use crate::write::emit::{
-    RenderedFile, TOOL, bytes_of, comment_texts, engine_context, refused_texts, text,
-};
+use crate::write::emit::{TOOL, bytes_of, comment_texts, engine_context, refused_texts, text};
 use crate::write::grid::LengthDigit;
 
 /// The last digit of a position on most controls.
@@ -105,7 +103,7 @@ fn scales(job: &Job) -> Option<Open> {
 // Planned moves → part programs and the positions beside them.
 
 /// A file of a measuring run.
-pub type ProgramFile = RenderedFile<FileRole>;
+pub type ProgramFile = KitFile<FileRole>;
 
 words! {
     /// What a file of a measuring run is for.

@@ -1,18 +1,18 @@
 //! LinuxCNC with a HAL file: what the reader makes of such a file, and tables longer than a curve.
 use crate::support::{self, um_at};
-use nonius::control::controller::{Role, builtin};
+use nonius::control::controller::{KitFile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::{ListedTable, Point};
 use nonius::kit;
 use nonius::quantity::Direction;
-use nonius::read::{KitFile, read};
+use nonius::read::read;
 
 /// Two curves of X, one of 3 and one of 2 points, correct Y (joint 1). Written by hand.
 const FILE: &str = include_str!("by_hand.hal");
 
 fn tables(text: &str) -> Result<Vec<ListedTable>, String> {
     let profile = builtin::profile("linuxcnc-hal").unwrap();
-    let file = KitFile { path: "m.hal", role: Role::Table, bytes: text.as_bytes() };
+    let file = KitFile { path: "m.hal".to_string(), role: Role::Table, bytes: text.into() };
     match read(&profile, &[file]).map_err(|p| p.render())?.tables {
         Tables::Listed(tables) => Ok(tables.tables),
         other => panic!("{other:?}"),

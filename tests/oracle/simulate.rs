@@ -122,7 +122,7 @@ proptest! {
         let job = job(&machine.volume, directed, true, true);
         let inputs = inputs(&job, &table(&machine, directed));
         let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-        let loaded = shown(rehearsed(&inputs, &kit.kit_files(), None));
+        let loaded = shown(rehearsed(&inputs, &kit.files, None));
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
             for left in &run.deviations {

@@ -18,7 +18,7 @@ pub(crate) use tree::*;
 pub(crate) use visit::*;
 
 use nonius::control::controller::{
-    BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, Role, TableSign, builtin,
+    BesideTable, CrossTerms, DeclaredFacts, Dialect, KitFile, Profile, Role, TableSign, builtin,
 };
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
@@ -27,7 +27,7 @@ use nonius::inputs::readings::Readings;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::{Direction, ErrorTerm, Millimetres, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
-use nonius::read::{KitFile, read};
+use nonius::read::read;
 use nonius::text::{Finding, Problems, Source};
 use std::fmt::Display;
 
@@ -97,9 +97,8 @@ pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
 }
 
 /// The files of a kit that have this role.
-pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
-    let files = kit.files.iter().filter(|file| file.role == role);
-    files.map(|file| KitFile { path: &file.path, role, bytes: &file.bytes }).collect()
+pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile> {
+    kit.files.iter().filter(|file| file.role == role).cloned().collect()
 }
 
 /// The text of a file of a kit.
@@ -233,7 +232,7 @@ pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
 
 /// The tables that a control would hold after loading the bytes of the kit.
 pub(crate) fn loaded(profile: &Profile, kit: &Kit) -> Tables {
-    shown(read(profile, &kit.kit_files())).tables
+    shown(read(profile, &kit.files)).tables
 }
 
 /// The control, loaded with the bytes of the kit, as `profile` describes it.

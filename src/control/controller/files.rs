@@ -13,6 +13,17 @@ pub struct Template {
     pub text: Cow<'static, str>,
 }
 
+/// A file of a kit, or of a measuring run: as it will be written, or as it was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KitFile<R = Role> {
+    /// Its name.
+    pub path: String,
+    /// What it is for.
+    pub role: R,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
 section! {
     /// One file that a profile emits.
     #[derive(Clone, Debug, PartialEq)]

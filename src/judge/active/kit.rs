@@ -7,11 +7,11 @@
 use super::reading::{ActiveControl, Origin, backlash_of, problem};
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{Profile, Role};
+use crate::control::controller::{KitFile, Profile, Role};
 use crate::inputs::job::Job;
 use crate::judge::findings::{FileFault, InControl};
 use crate::quantity::PerAxis;
-use crate::read::{KitFile, read};
+use crate::read::read;
 use crate::text::{Finding, Problem, Problems, json_page, sha256, shown};
 use crate::write::plan::axis_names;
 use serde_json::Value;
@@ -54,13 +54,11 @@ pub fn from_kit(
     check_state(job, &own.state, state, &mut problems);
     take_switches(&mut own.state, state);
     problems.or_ok(())?;
-    let kit_files = files.iter().map(|(role, path, bytes)| KitFile { path, role: *role, bytes });
-    let kit_files: Vec<KitFile<'_>> = kit_files.collect();
-    let tables = read(profile, &kit_files)?.tables;
+    let tables = read(profile, &files)?.tables;
     let origin =
         Origin::Kit { manifest: manifest.to_vec(), tool: word(&document["tool"]).to_string() };
     Ok(ActiveControl {
-        files: files.into_iter().map(|(_, name, bytes)| (name, bytes)).collect(),
+        files: files.into_iter().map(|file| (file.path, file.bytes)).collect(),
         assumptions: vec![Assumption::of_job(
             "active_tables",
             format!("the kit `{path}` was loaded and switched on as it was made"),
@@ -87,7 +85,7 @@ fn acting(
     path: &str,
     document: &Value,
     files: Vec<(String, Vec<u8>)>,
-) -> Result<Vec<(Role, String, Vec<u8>)>, Problems> {
+) -> Result<Vec<KitFile>, Problems> {
     let mut problems = Problems::none();
     let mut files: BTreeMap<String, Vec<u8>> = files.into_iter().collect();
     let bytes = |name: &str| Ok(files.get(name).map(|bytes| (None, bytes.as_slice().into())));
@@ -109,7 +107,7 @@ fn acting(
     let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
     let acting = listed(document).filter_map(|(name, entry)| {
         let role = Role::of_word(word(&entry["role"])).filter(acts)?;
-        Some((role, name.to_string(), files.remove(name)?))
+        Some(KitFile { path: name.to_string(), role, bytes: files.remove(name)? })
     });
     let acting = acting.collect();
     problems.or_ok(acting)

@@ -6,14 +6,14 @@
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
 use crate::control::checklist::Listed;
-use crate::control::controller::{Evidence, Role, Statement};
-use crate::kit::loaded::{KEEP_TO_THE_FORMAT, Made, as_read};
+use crate::control::controller::{Evidence, KitFile, Role, Statement};
+use crate::kit::loaded::{KEEP_TO_THE_FORMAT, Made};
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{ReadBack, emulator, load, read_apart};
 use crate::text::{BLANK, Finding, Problem, Problems, joined};
 use crate::write::compensation::trimmed;
-use crate::write::emit::{self, Emitted, RenderedFile};
+use crate::write::emit::{self, Emitted};
 use crate::write::plan::{Plan, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
 use serde::Serialize;
@@ -21,7 +21,7 @@ use serde::Serialize;
 /// The sign proofs of a kit, read back to what was meant.
 pub(super) struct Proofs {
     pub(super) shown: Vec<Shown>,
-    pub(super) files: Vec<RenderedFile>,
+    pub(super) files: Vec<KitFile>,
     /// Mechanisms without a sign proof.
     pub(super) missing: Vec<Finding>,
 }
@@ -78,7 +78,7 @@ impl Proofs {
     }
 }
 
-fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, Problems> {
+fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<KitFile>, Problems> {
     let slope = "SIGN PROOF: zero but for one slope; load the values of the kit again after it";
     let bump = "SIGN PROOF: zero but for one bump; load the table of the kit again after it";
     let notice = Some(if proof.bump.is_slope { slope } else { bump });
@@ -88,8 +88,8 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
     emit::render_those(&emitted, |file| file.role == Role::SignProof && file.mechanism == wanted)
 }
 
-fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Problems> {
-    let read = read_apart(&made.inputs.profile, &as_read(files), Role::SignProof)?;
+fn read_proof(made: &Made<'_>, files: &[KitFile]) -> Result<ReadBack, Problems> {
+    let read = read_apart(&made.inputs.profile, files, Role::SignProof)?;
     match read.machine_data.iter().find(|file| !file.data.is_empty()) {
         Some(file) => Err(shows_otherwise(&format!("`{}` sets machine data", file.path))),
         None => Ok(read),

@@ -103,7 +103,7 @@ fn sets_out_of_use_are_old_values_and_what_was_not_read_out_is_named() {
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 0, y = 0 }}"));
     let new = shown(kit::generate(&taken(&job, &left, &dump(&before))));
     let rollback = files_of(&new, Role::Rollback);
-    holds(&String::from_utf8_lossy(rollback[0].bytes), &["N05711Q1L1P0"]);
+    holds(&String::from_utf8_lossy(&rollback[0].bytes), &["N05711Q1L1P0"]);
     let page = checklist(&new);
     for number in [1851, 1852, 3605] {
         let lacking = format!("{number} of axis 1, 2: not in");

@@ -249,7 +249,7 @@ fn a_read_out_says_the_same_as_the_kit() {
     }
     archive.push_str("M17\n");
     for file in files_of(&old, Role::Table) {
-        archive.push_str(std::str::from_utf8(file.bytes).unwrap());
+        archive.push_str(std::str::from_utf8(&file.bytes).unwrap());
     }
     let plain = inputs(
         &case.job(30.0, "active_while_measuring = \"read-out\""),

@@ -216,7 +216,7 @@ fn a_switch_that_an_archive_holds_with_two_values_is_left_to_a_person() {
     let set_back = |more: &str| {
         let new = shown(kit::generate(&taken(&job, &left, &before.archive(more))));
         let files = files_of(&new, Role::Rollback);
-        let texts = files.iter().map(|file| String::from_utf8_lossy(file.bytes));
+        let texts = files.iter().map(|file| String::from_utf8_lossy(&file.bytes));
         texts.filter(|text| text.contains("$MA_ENC_COMP_ENABLE[0,AX1]=")).count()
     };
     assert_eq!([set_back(""), set_back("$MA_ENC_COMP_ENABLE[0,AX1]=0\n")], [1, 0]);
@@ -234,7 +234,7 @@ fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
     let moves = "X (AX1) moves by 5.000 µm towards −X when the old tables act again";
     holds(checklist(&new), &[&format!("at the reference point {moves}")]);
     for file in files_of(&new, Role::Rollback) {
-        let text = String::from_utf8_lossy(file.bytes);
+        let text = String::from_utf8_lossy(&file.bytes);
         assert!(!text.contains("contained in these"), "{text}");
         let differs = ", but for\n;   ENC_COMP[0,AX1]: 0.005000 mm\n";
         assert!(text.contains(differs) || !text.contains("$AA_ENC_COMP"), "{text}");
