@@ -80,10 +80,8 @@ pub(crate) fn template_context(inputs: &Inputs) -> Result<impl Serialize + use<>
 pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let mut made = Made::of(inputs)?;
     let ways = alternatives::ways(&made);
-    let field = field::make(&made)?;
-    made.files.extend(field.files);
-    made.compiled.notes.extend(field.notes);
-    let manifest = manifest_of(&made, field.sign_proofs);
+    let sign_proofs = field::add(&mut made)?;
+    let manifest = manifest_of(&made, sign_proofs);
     let Made { plan, compiled, files, effect, forecast, verdict, .. } = made;
     Ok(Kit { plan, compiled, files, effect, forecast, verdict, ways, manifest })
 }

@@ -33,26 +33,28 @@ use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
 pub(super) use proofs::Shown;
 
-/// What is written beside the tables of a kit.
-pub(super) struct FieldKit {
-    pub(super) files: Vec<KitFile>,
-    /// What each sign proof has to show, for the manifest.
-    pub(super) sign_proofs: Vec<Shown>,
-    /// Mechanisms without a sign proof, and a rollback that is not whole.
-    pub(super) notes: Vec<Finding>,
+/// Adds the field kit to a kit, and to its notes the mechanisms without a sign proof and a rollback that is not whole;
+/// refused unless every file reads back to what was meant. What each sign proof has to show is for the manifest.
+pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Shown>, Problems> {
+    let Proofs { shown, files, missing } = Proofs::of(made)?;
+    let mut rollback = rollback(made)?;
+    let note = rollback.note();
+    rollback.not_written.splice(0..0, missing.iter().cloned());
+    made.files.extend(files);
+    made.files.append(&mut rollback.files);
+    if made.inputs.profile.files.iter().any(|file| file.role == Role::Checklist) {
+        made.files.extend(checklist(made, &shown, &rollback)?);
+    }
+    made.compiled.notes.extend(missing.into_iter().chain(note.map(Finding::from)));
+    Ok(shown)
 }
 
-/// Makes the field kit; refused unless every file reads back to what was meant.
-pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
-    let Proofs { shown, mut files, missing } = Proofs::of(made)?;
-    let mut not_written = missing.clone();
-    let rollback = rollback(made)?;
-    let notes = missing.into_iter().chain(rollback.note().map(Finding::from)).collect();
-    files.extend(rollback.files);
-    not_written.extend(rollback.not_written);
-    if !made.inputs.profile.files.iter().any(|file| file.role == Role::Checklist) {
-        return Ok(FieldKit { files, sign_proofs: shown, notes });
-    }
+/// The steps at the machine, as pages.
+fn checklist(
+    made: &Made<'_>,
+    shown: &[Shown],
+    rollback: &Rollback,
+) -> Result<Vec<KitFile>, Problems> {
     let movement = switching(made).map_err(|reason| cannot_emulate(&reason))?;
     let (task, compiled) = (made.task(), &made.compiled);
     let lists = |list: List| match list {
@@ -60,15 +62,15 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         List::Preconditions => preconditions(&made.compiled),
         List::Assumptions => assumptions(&made.compiled),
         List::Movement => movement.clone().into(),
-        List::SignProofs => proofs::listed(made, &shown),
+        List::SignProofs => proofs::listed(made, shown),
         List::Display => displayed(task, compiled).into(),
-        List::NotWritten => not_written.clone().into(),
+        List::NotWritten => rollback.not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),
         List::Enter => entered(&made.compiled, |p| format!("enter {}", p.value)).into(),
         List::PutBack => entered(&made.compiled, |_| "enter what was found".to_string()).into(),
     };
     let facts = KitFacts {
-        files: made.files.iter().chain(&files).map(|file| (file.role, file.path.clone())).collect(),
+        files: made.files.iter().map(|file| (file.role, file.path.clone())).collect(),
         reference: task.reference_text(),
         uses: &|mechanism| uses(task, &made.plan, &compiled.tables, mechanism),
         list: &lists,
@@ -76,8 +78,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     let parts = parts(&task.profile.checklist, &facts);
     let misses = misses(made);
     let words = Words { head: head(made, &misses), parts, about: about(made, &misses) };
-    files.extend(emit::render_checklist(task, compiled, &words)?);
-    Ok(FieldKit { files, sign_proofs: shown, notes })
+    emit::render_checklist(task, compiled, &words)
 }
 
 /// How the files of a directory that stand apart differ from those of the job.

@@ -2,7 +2,7 @@
 //! standards draw it.
 
 use super::locale::Locale;
-use super::picture::{Drawn, Ink, Mark, Picture, Scale, at_one_height};
+use super::picture::{Drawn, Ink, Mark, Panel, Picture, Scale, at_one_height};
 use crate::judge::field::Field;
 use crate::judge::forecast::Machine;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
@@ -42,8 +42,10 @@ pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Picture 
     let (mut panels, um) = at_one_height(locale, drawn);
     let limits = curves.limit_um.into_iter().flat_map(|limit| [limit, -limit]);
     let limits = limits.filter(|at| (um.0..=um.1).contains(at));
-    let limits: Vec<Mark> = limits.map(|at| Mark::Level(Ink::Limit, at)).collect();
-    panels.iter_mut().flatten().for_each(|panel| panel.marks.extend(limits.clone()));
+    for Panel { across, marks, .. } in panels.iter_mut().flatten() {
+        let level = |at| Mark::Line(Ink::Limit, vec![(across.from, at), (across.to, at)]);
+        marks.extend(limits.clone().map(level));
+    }
     // A few errors stand in one row, without the empty places of the others.
     if panels.iter().flatten().count() <= COLUMNS {
         panels.retain(Option::is_some);

@@ -40,8 +40,6 @@ pub enum Mark {
     Band(Ink, Vec<(f64, f64, f64)>),
     /// A column from one place to another, as high as a number.
     Bars(Ink, Vec<(f64, f64, f64)>),
-    /// A height over the whole width.
-    Level(Ink, f64),
     /// Places at the lower edge, as the points of a table.
     Places(Vec<f64>),
     /// From a place by so much.
@@ -77,7 +75,6 @@ impl Mark {
         match self {
             Mark::Line(ink, _) | Mark::Dots(ink, _) | Mark::Arrows(ink, _) => Some(*ink),
             Mark::Band(ink, _) | Mark::Bars(ink, _) => Some(*ink),
-            Mark::Level(ink, _) => Some(*ink),
             Mark::Places(_) | Mark::Edge(_) | Mark::Words(..) => None,
         }
     }
@@ -90,7 +87,6 @@ impl Mark {
             }
             Mark::Band(_, places) => places.iter().flat_map(|(_, a, b)| [*a, *b]).collect(),
             Mark::Bars(_, bars) => bars.iter().map(|(_, _, y)| *y).collect(),
-            Mark::Level(_, y) => vec![*y],
             Mark::Places(_) | Mark::Arrows(..) | Mark::Edge(_) | Mark::Words(..) => Vec::new(),
         }
     }

@@ -242,10 +242,6 @@ fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
     };
     match mark {
         Mark::Line(_, points) => out.path(&class("line"), &map.path(points.iter().copied())),
-        Mark::Level(_, height) => {
-            let (left, y) = (map.plot.left, map.y(*height));
-            out.path(&class("line"), &path([(left, y), (left + map.plot.width, y)]));
-        }
         Mark::Dots(_, points) => {
             points.iter().for_each(|at| out.dot(&class("dot"), map.at(*at)));
         }
