@@ -14,8 +14,7 @@ use crate::machine::separation::readings::{Noise, NoiseSource, coverage_factor};
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
-use crate::machine::standards::{DiagonalFigures, Diagonals};
-use crate::machine::standards::{by_standard, repeatability_um};
+use crate::machine::standards::{DiagonalFigures, Diagonals, by_standard, repeatability_um};
 use crate::page::{Locale, separated};
 use crate::quantity::{
     Axis, Diagonal, Direction, Listed, Millimetres, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,

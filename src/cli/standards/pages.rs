@@ -7,11 +7,10 @@ use crate::inputs::readings::Readings;
 use crate::inputs::target_runs::Runs;
 use crate::machine::findings::StandardFinding;
 use crate::machine::separation::Separation;
-use crate::machine::standards::by_standard;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
 use crate::machine::standards::{
     ByDirection, Condition, Conditions, Counts, DIAGONALS, Diagonals, ISO_230_2, Met, VDI_3441,
-    in_words, vdi_3441,
+    by_standard, in_words, vdi_3441,
 };
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::{Diagonal, PathKind, Run};
