@@ -46,17 +46,16 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let angles = angles.map(|path| named.table(path, "measurement.angles"));
     let design = Design::of(job, angles.transpose()?, times)?;
     let found = plan(&design)?;
-    let page = Page { design: &design, found: &found };
-    let outcome = options.print.outcome(|| page.screen(), || document(&page))?;
+    let outcome = options.print.outcome(|| found.screen(), || document(&found))?;
     Ok(outcome.answering(found.visits[0].reaches(job.acceptance)))
 }
 
 /// `--format json` (contract §5).
-fn document(page: &Page<'_>) -> Value {
-    let (design, found) = (page.design, page.found);
+fn document(found: &VisitPlan<'_>) -> Value {
+    let design = found.design;
     let (instrument, acceptance) = (design.instrument, design.job.acceptance);
     let visits = found.visits.iter().enumerate();
-    let visits = visits.map(|(index, visit)| of_visit(page, index, visit));
+    let visits = visits.map(|(index, visit)| of_visit(design, index, visit));
     json!({
         "schema": 1,
         "machine": design.job.machine.name,
@@ -75,11 +74,11 @@ fn document(page: &Page<'_>) -> Value {
     })
 }
 
-fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
+fn of_visit(design: &Design<'_>, index: usize, visit: &Visit) -> Value {
     let (run, expected) = (&visit.variant.run, &visit.expected);
     json!({
         "name": letter(index),
-        "change": visit.variant.change(&page.design.described),
+        "change": visit.variant.change(&design.described),
         "steps": run.volume.steps,
         "runs": run.runs,
         "return_pass": run.bidirectional,
@@ -87,7 +86,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "linear": keys(&visit.variant.linear),
         "angles": visit.variant.angles.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "target_spacing_mm": visit.variant.target_spacing_mm(),
-        "spacing_mm": page.design.other_grid(&visit.variant),
+        "spacing_mm": design.other_grid(&visit.variant),
         "minutes": (10.0 * visit.minutes).round() / 10.0,
         "set_ups": Diagonal::ALL.len() + visit.variant.linear.len() + visit.variant.angles.len(),
         "mirror_circle_mm": visit.mirror.map(|mirror| mirror.circle_mm),
@@ -97,7 +96,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "second_passes": visit.chance,
         "not_determined": expected.missing(),
         "reversal_of": keys(&visit.reversals()),
-        "reached": visit.reaches(page.design.job.acceptance),
+        "reached": visit.reaches(design.job.acceptance),
         "shortcomings": visit.shortcomings(),
     })
 }
@@ -106,16 +105,10 @@ fn keys(axes: &[Axis]) -> Vec<&'static str> {
     axes.iter().map(|axis| axis.key()).collect()
 }
 
-/// A plan, to be shown: the answer, the variants, their U, what it rests on.
-struct Page<'a> {
-    design: &'a Design<'a>,
-    found: &'a VisitPlan,
-}
-
-impl Page<'_> {
-    /// The page for people.
+impl VisitPlan<'_> {
+    /// The page for people: the answer, the variants, their U, what it rests on.
     fn screen(&self) -> Screen {
-        let described = &self.found.visits[0];
+        let described = &self.visits[0];
         let assumed = self.design.assumed(described);
         let assumed: Vec<String> = assumed.iter().map(|a| wrapped(&a.to_string())).collect();
         let labels = described.expected.labels.iter();
@@ -141,7 +134,7 @@ impl Page<'_> {
     }
 
     fn answer(&self) -> String {
-        let described = &self.found.visits[0];
+        let described = &self.visits[0];
         let count = ErrorTerm::ALL.len() - described.expected.missing().len();
         let at_most = described.at_most_um().filter(|_| described.open.is_empty());
         let at_most = at_most.map(|um| format!(", the forecast is at most {um:.3} µm"));
@@ -157,7 +150,7 @@ impl Page<'_> {
     }
 
     fn decided(&self) -> Option<String> {
-        let parts = &self.found.decides;
+        let parts = &self.decides;
         (!parts.is_empty()).then(|| format!("what decides: {}", in_words(parts)))
     }
 
@@ -174,14 +167,14 @@ impl Page<'_> {
             None => "determines all wanted errors",
             Some(_) => "reaches the acceptance by its forecast",
         };
-        self.quickest(self.found.forecast, "the quickest that", aim)
+        self.quickest(self.forecast, "the quickest that", aim)
     }
 
     /// What will pass after loading, too.
     fn likely(&self) -> Option<String> {
         self.limits()?;
         let aim = "passes its second measurement with 80 % or more";
-        Some(self.quickest(self.found.second, "the quickest that also", aim))
+        Some(self.quickest(self.second, "the quickest that also", aim))
     }
 
     fn quickest(&self, found: Option<usize>, which: &str, aim: &str) -> String {
@@ -193,7 +186,7 @@ impl Page<'_> {
 
     /// A visit by its letter, with what it needs of the tables.
     fn named(&self, index: usize) -> String {
-        let visit = &self.found.visits[index];
+        let visit = &self.visits[index];
         let (change, minutes) = (visit.variant.change(&self.design.described), visit.minutes);
         let grid = self
             .design
@@ -216,7 +209,7 @@ impl Page<'_> {
                 um(visit.at_most_um())
             )
         };
-        let rows = self.found.visits.iter().enumerate().map(row);
+        let rows = self.visits.iter().enumerate().map(row);
         table(
             "\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes",
             rows,

@@ -41,7 +41,7 @@ pub struct ProgramKit {
     pub readings: usize,
     duration_s: f64,
     reach_mm: Named<&'static str, (f64, f64)>,
-    mirror_mm: Option<Mirror>,
+    mirror_mm: Option<Named<&'static str, f64>>,
     /// Facts of the profile that nobody has shown yet.
     pub assumptions: Vec<Assumption>,
     /// What a person has to see to.
@@ -82,20 +82,11 @@ impl Listed {
 }
 
 /// Sizes on the mirror, to a micrometre.
-#[derive(Clone, Debug, Serialize)]
-struct Mirror {
-    after_first_move: f64,
-    after_second_move: f64,
-    farthest: f64,
-    circle: f64,
-}
-
-impl From<MirrorSize> for Mirror {
-    fn from(size: MirrorSize) -> Mirror {
-        let [after_first_move, after_second_move] = size.excursion_mm.map(|mm| rounded(mm, 3));
-        let [farthest, circle] = [size.farthest_mm, size.circle_mm].map(|mm| rounded(mm, 3));
-        Mirror { after_first_move, after_second_move, farthest, circle }
-    }
+fn on_mirror(size: MirrorSize) -> Named<&'static str, f64> {
+    let [first, second] = size.excursion_mm;
+    let (farthest, circle) = (("farthest", size.farthest_mm), ("circle", size.circle_mm));
+    let all = [("after_first_move", first), ("after_second_move", second), farthest, circle];
+    all.map(|(name, mm)| (name, rounded(mm, 3))).into_iter().collect()
 }
 
 impl ProgramKit {
@@ -135,7 +126,7 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
         readings: run.programs.iter().map(|program| program.readings.len()).sum(),
         duration_s: run.duration_s(&request).round(),
         reach_mm: reach.collect(),
-        mirror_mm: run.mirror.map(Mirror::from),
+        mirror_mm: run.mirror.map(on_mirror),
         assumptions: assumptions(task),
         preconditions: preconditions(task.facts, &walked),
         notes: [run.notes.clone(), other_letters(job, &profile.name)].concat(),

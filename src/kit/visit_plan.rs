@@ -31,7 +31,9 @@ const LIKELY: f64 = 0.8;
 
 /// The run of the job, variants of it, and the cheapest.
 #[derive(Clone, Debug)]
-pub struct VisitPlan {
+pub struct VisitPlan<'a> {
+    /// The visit as the job describes it.
+    pub design: &'a Design<'a>,
     /// As described, then one change each; then what is proposed and is none of these.
     pub visits: Vec<Visit>,
     /// The one that takes the least time of all whose forecast reaches the acceptance; `None` = none does.
@@ -43,7 +45,7 @@ pub struct VisitPlan {
 }
 
 /// Compares the described run with its variants.
-pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
+pub fn plan<'a>(design: &'a Design<'a>) -> Result<VisitPlan<'a>, Problems> {
     let described = &design.described;
     let mut visits = vec![design.visit(described.clone())?];
     let worst = visits[0].forecast.worst();
@@ -81,7 +83,7 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
         }
     }
     visits.iter_mut().for_each(|visit| visit.chance = design.chance(visit));
-    Ok(VisitPlan { decides: visits[0].largest(parts), visits, forecast, second })
+    Ok(VisitPlan { design, decides: visits[0].largest(parts), visits, forecast, second })
 }
 
 /// All changes together but for the runs. A return pass is not given up: without it the reversal is mixed into the

@@ -12,7 +12,7 @@ use nonius::inputs::job::{Frame, Job, SetUp, StatedUncertainty, UseOf};
 use nonius::judge::after::{AfterMeasurement, compare};
 use nonius::judge::conformity::Verdict;
 use nonius::judge::forecast::Machine as AsMeasured;
-use nonius::kit::visit_plan::{Design, SetUpTimes, Visit, plan};
+use nonius::kit::visit_plan::{Design, SetUpTimes, Visit, VisitPlan, plan};
 use nonius::machine::model::ErrorModel;
 use nonius::machine::separation::campaign::Estimate;
 use nonius::machine::separation::table::draft;
@@ -307,24 +307,25 @@ fn a_variant_opens_what_it_measures_and_the_cheapest_that_will_do_is_found() {
     let planned = |acceptance: &str| {
         let job = read(&format!("{text}{acceptance}"));
         let design = Design::of(&job, None, TIMES).unwrap();
-        (job.acceptance, plan(&design).unwrap())
+        let VisitPlan { visits, forecast, second, .. } = plan(&design).unwrap();
+        (job.acceptance, visits, forecast, second)
     };
-    let (acceptance, open) = planned("");
-    let described = &open.visits[0];
+    let (acceptance, open, forecast, _) = planned("");
+    let described = &open[0];
     assert_eq!(described.open.len(), 3, "positioning: {:?}", described.open);
     assert!(!described.reaches(acceptance) && described.reversals().is_empty());
-    let cheapest = &open.visits[open.forecast.unwrap()];
+    let cheapest = &open[forecast.unwrap()];
     assert_eq!(cheapest.variant.linear.len(), 2, "two linear axes determine all");
     assert_eq!(cheapest.reversals(), cheapest.variant.linear);
     let u = |visit: &Visit| visit.at_most_um().unwrap();
     let limit = |um: f64| format!("[acceptance]\nmax_deviation_um = {um}\n");
-    let (_, tight) = planned(&limit(0.8 * u(cheapest)));
-    let better = &tight.visits[tight.forecast.unwrap()];
+    let (_, tight, forecast, second) = planned(&limit(0.8 * u(cheapest)));
+    let better = &tight[forecast.unwrap()];
     assert!(better.minutes > cheapest.minutes && u(better) < 0.8 * u(cheapest));
-    let sure = tight.second.map(|index| &tight.visits[index]);
+    let sure = second.map(|index| &tight[index]);
     assert!(sure.is_none_or(|sure| sure.minutes >= better.minutes && sure.chance >= Some(0.8)));
-    let never = short_or(None, Some(0.001)).map(|um| planned(&limit(um)).1);
-    assert!(never.is_none_or(|never| never.forecast.is_none() && never.second.is_none()));
+    let never = short_or(None, Some(0.001)).map(|um| planned(&limit(um)));
+    assert!(never.is_none_or(|(_, _, forecast, second)| forecast.is_none() && second.is_none()));
 }
 
 /// The job of the start, its acceptance as given, planned.

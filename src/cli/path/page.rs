@@ -40,7 +40,7 @@ impl Page {
             let after = hole.after_um.map(|um| (Ink::Forecast, of(um)));
             (of(hole.at_mm), std::iter::once(before).chain(after).collect())
         };
-        let holes: Vec<_> = self.holes.worst().iter().map(hole).collect();
+        let holes: Vec<_> = self.holes.worst.iter().map(hole).collect();
         let machine = &self.inputs.job.machine.name;
         let heading = format!("{machine}: error along {}", self.program);
         path(locale, &heading, &self.traces, &holes)
@@ -109,7 +109,7 @@ impl Page {
             verdict: verdict.join("\n").trim_end().to_string(),
             figures: paragraphs(&figures),
             findings,
-            more: vec![More::new(self.holes.worst().len(), ["hole", "holes"], holes(self))],
+            more: vec![More::new(self.holes.worst.len(), ["hole", "holes"], holes(self))],
             ..Screen::default()
         }
     }
@@ -141,7 +141,7 @@ impl Page {
             program: &self.program,
             blocks: self.ran.blocks,
             holes: self.ran.holes,
-            worst_holes: self.holes.worst(),
+            worst_holes: &self.holes.worst,
             outside: outside_sentences(self),
             missing: missing(self),
             warnings: warnings(self),
@@ -212,7 +212,7 @@ fn warnings(page: &Page) -> Vec<String> {
 }
 
 fn holes(page: &Page) -> String {
-    let worst = page.holes.worst();
+    let worst = &page.holes.worst;
     if worst.is_empty() {
         return String::new();
     }
@@ -391,18 +391,20 @@ pub(super) struct Hole {
 
 /// The holes with the largest errors, the worst first; of equal ones the first.
 #[derive(Default)]
-pub(super) struct Holes(Vec<Hole>);
+pub(super) struct Holes {
+    worst: Vec<Hole>,
+}
 
 impl Holes {
     /// Takes a sample if it is the bottom of a hole; `after_um` = the error with tables.
     pub(super) fn take(&mut self, sample: &Sample, after_um: Option<[f64; 3]>) {
         let Some(number) = sample.hole else { return };
         let size = length(sample.error_um);
-        let place = self.0.partition_point(|hole| hole.e_um >= size);
+        let place = self.worst.partition_point(|hole| hole.e_um >= size);
         if place == MOST_HOLES {
             return;
         }
-        self.0.truncate(MOST_HOLES - 1);
+        self.worst.truncate(MOST_HOLES - 1);
         let hole = Hole {
             number,
             line: sample.line,
@@ -412,11 +414,7 @@ impl Holes {
             after_um,
             after_e_um: after_um.map(length),
         };
-        self.0.insert(place, hole);
-    }
-
-    pub(super) fn worst(&self) -> &[Hole] {
-        &self.0
+        self.worst.insert(place, hole);
     }
 }
 
