@@ -5,7 +5,7 @@ use crate::cli::screen::{Screen, table};
 use crate::cli::show;
 use crate::control::controller::KitFile;
 use crate::inputs::error_table;
-use crate::inputs::job::{MeasuredData, UseOf};
+use crate::inputs::job::UseOf;
 use crate::kit::findings::InRehearsal;
 use crate::kit::simulate::{
     Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, SimulationSource, Wishes, readings,
@@ -72,9 +72,6 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.output.ensure_new(files, "the readings")?;
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
     let inputs = inputs::read_job(files, machine, &job, UseOf::Tables)?;
-    // The angles of an error table are no part of a measurement of diagonals.
-    let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
-    let angles = inputs.angles.as_ref().filter(|_| is_of_diagonals);
     let noise = Noise { um: options.noise_um, seed: options.seed };
     let wishes = Wishes {
         straight: options.straight,
@@ -84,7 +81,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     };
     let rehearsal = match options.errors {
         true => None,
-        false => Some(Rehearsal::of(&inputs.job, angles, wishes)?),
+        false => Some(Rehearsal::of(&inputs, wishes)?),
     };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
@@ -95,8 +92,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let runs = rehearsal.map_or(options.runs.unwrap_or(1), |of| of.runs);
     let (text, what, positions, simulation) = match rehearsal {
         None => {
-            let stated_um = inputs.job.measurement.uncertainty.noise_um;
-            let draft = single_axes(&machine, runs, (noise, stated_um), comments);
+            let draft = single_axes(&machine, runs, noise, comments);
             let positions: usize = draft.series.iter().map(|s| s.positions.len()).sum();
             let what = format!(
                 "error table of {} curves, {positions} positions, mean of {runs} run(s){}",
@@ -106,7 +102,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             (error_table::write(&draft), what, Some(positions), None)
         }
         Some(rehearsal) => {
-            let simulation = readings(&machine, rehearsal, &inputs.job)?;
+            let simulation = readings(&machine, rehearsal)?;
             let text = write(&simulation, rehearsal, &comments);
             (text, walked(rehearsal, &origin), None, Some(simulation))
         }

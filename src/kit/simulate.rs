@@ -18,15 +18,13 @@ mod readings;
 
 pub use self::readings::{Predicted, Simulation, SimulationSource, readings, single_axes, write};
 use crate::control::controller::KitFile;
-use crate::inputs::error_table::ErrorTable;
 pub use crate::inputs::error_table::SIMULATED;
-use crate::inputs::job::{DiagonalMeasurement, Job, Material, Reflector};
+use crate::inputs::job::{DiagonalMeasurement, Job, Material, MeasuredData, Reflector};
 use crate::judge::active::named_axis;
 use crate::judge::field::Field;
 use crate::judge::findings::InControl;
 use crate::kit::findings::InRehearsal;
 use crate::kit::{Asked, Inputs, Loaded};
-use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::{
@@ -42,9 +40,8 @@ use serde_json::Value;
 /// A machine with what the loaded tables do to it.
 #[derive(Clone, Debug)]
 pub struct SimulatedMachine<'a> {
-    model: &'a ErrorModel,
+    inputs: &'a Inputs,
     control: Field,
-    references: PerAxis<Option<Millimetres>>,
     scale_um_per_m: f64,
 }
 
@@ -56,13 +53,8 @@ impl<'a> SimulatedMachine<'a> {
         loaded: Option<&Loaded<'_>>,
         scale_um_per_m: f64,
     ) -> Result<SimulatedMachine<'a>, Problems> {
-        let axes = &inputs.job.machine.axes;
-        Ok(SimulatedMachine {
-            model: &inputs.model,
-            control: loaded.map(Loaded::effect).transpose()?.unwrap_or_default(),
-            references: PerAxis::from_fn(|axis| axes[axis].map(|axis| axis.reference)),
-            scale_um_per_m,
-        })
+        let control = loaded.map(Loaded::effect).transpose()?.unwrap_or_default();
+        Ok(SimulatedMachine { inputs, control, scale_um_per_m })
     }
 
     /// Deviation + correction of a term, µm; `None` where it was not measured in this direction.
@@ -72,19 +64,20 @@ impl<'a> SimulatedMachine<'a> {
         direction: Direction,
         position: Millimetres,
     ) -> Option<f64> {
-        let measured = self.model.terms[term].as_ref()?;
+        let Inputs { job, model, .. } = self.inputs;
+        let measured = model.terms[term].as_ref()?;
         let deviation = measured.measured.curve(direction)?.at(position);
         let correction = self.control.correction(term, direction, position);
         // What the change of scale adds to a positioning error.
-        let reference = self.references[term.along].filter(|_| term.is_positioning());
-        let from_reference = reference.map_or(0.0, |reference| (position - reference).mm());
+        let axis = job.machine.axes[term.along].filter(|_| term.is_positioning());
+        let from_reference = axis.map_or(0.0, |axis| (position - axis.reference).mm());
         Some((deviation + correction).um() + self.scale_um_per_m * from_reference / 1000.0)
     }
 
     /// Whether the two directions of an axis differ: measured apart, or corrected apart.
     fn is_directed(&self, along: Axis) -> bool {
         let apart = |term| !self.control.is_undirected(term);
-        let mut of_axis = self.model.measured_along(along);
+        let mut of_axis = self.inputs.model.measured_along(along);
         of_axis.any(|(term, measured)| measured.measured.has_both_ways() || apart(term))
     }
 }
@@ -165,12 +158,11 @@ pub struct Rehearsal {
 
 impl Rehearsal {
     /// From `[measurement.step_diagonal]` of a job with readings, else from the run that `nonius program` writes
-    /// programs for. `angle_table` = the table that `measurement.angles` names.
-    pub fn of(
-        job: &Job,
-        angle_table: Option<&ErrorTable>,
-        wishes: Wishes,
-    ) -> Result<Rehearsal, Problems> {
+    /// programs for. The angles of an error table are no part of a measurement of diagonals.
+    pub fn of(inputs: &Inputs, wishes: Wishes) -> Result<Rehearsal, Problems> {
+        let job = &inputs.job;
+        let is_of_diagonals = matches!(job.measurement.data, MeasuredData::Diagonals(_));
+        let angle_table = inputs.angles.as_ref().filter(|_| is_of_diagonals);
         let program = job.program.as_ref();
         let (mut measurement, program) = match job.measurement.diagonals() {
             Some(measurement) => (measurement.clone(), None),

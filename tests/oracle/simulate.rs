@@ -69,8 +69,8 @@ fn table(machine: &Machine, directed: bool) -> String {
 
 fn simulate(inputs: &Inputs, loaded: Option<&Loaded<'_>>, wishes: Wishes) -> Simulation {
     let machine = shown(SimulatedMachine::new(inputs, loaded, 0.0));
-    let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
-    shown(readings(&machine, &rehearsal, &inputs.job))
+    let rehearsal = Rehearsal::of(inputs, wishes).unwrap();
+    shown(readings(&machine, &rehearsal))
 }
 
 fn any_machine() -> impl Strategy<Value = Machine> {
@@ -186,7 +186,7 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
     let machine = one_machine();
     let inputs = plain_inputs(&machine);
     let wishes = noisy(2, 9, true);
-    let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
+    let rehearsal = Rehearsal::of(&inputs, wishes).unwrap();
     let found = simulate(&inputs, None, wishes);
     let text = write(&found, &rehearsal, &[format!("note: {SIMULATED}: a test")]);
     let given = measurement(&machine.volume, SetUp::Solve, Frame::XPrimary);
@@ -205,7 +205,7 @@ fn straight_runs_are_the_cell_ends_of_step_runs() {
     let step = simulate(&inputs, None, Wishes::default());
     let wishes = Wishes { straight: true, ..Wishes::default() };
     let straight = simulate(&inputs, None, wishes);
-    let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
+    let rehearsal = Rehearsal::of(&inputs, wishes).unwrap();
     assert_eq!(rehearsal.measurement.kind, PathKind::Straight);
     for (whole, ends) in step.runs.iter().zip(&straight.runs) {
         let cell_ends: Vec<_> = whole.deviations.iter().step_by(3).copied().collect();
@@ -220,10 +220,10 @@ fn straight_runs_are_the_cell_ends_of_step_runs() {
 fn a_change_of_scale_is_the_same_along_every_diagonal() {
     let machine = one_machine();
     let inputs = plain_inputs(&machine);
-    let rehearsal = Rehearsal::of(&inputs.job, None, Wishes::default()).unwrap();
+    let rehearsal = Rehearsal::of(&inputs, Wishes::default()).unwrap();
     let ends = |scale: f64| {
         let warm = shown(SimulatedMachine::new(&inputs, None, scale));
-        let found = readings(&warm, &rehearsal, &inputs.job).unwrap();
+        let found = readings(&warm, &rehearsal).unwrap();
         Diagonal::ALL.map(|d| found.diagonals[d].end_um)
     };
     // 11.5 um/m over a diagonal of sqrt(900^2 + 720^2 + 720^2) = 1358.970 mm.
@@ -240,7 +240,7 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     let inputs = inputs(&text, &table(&machine, true));
     let plain = shown(SimulatedMachine::new(&inputs, None, 0.0));
     let note = format!("note: {SIMULATED}: a test");
-    let left = single_axes(&plain, 1, (Noise::default(), None), vec![note.clone()]);
+    let left = single_axes(&plain, 1, Noise::default(), vec![note.clone()]);
     let csv = nonius::inputs::error_table::write(&left);
     let found = error_table(&csv);
     assert_eq!(found.remarks.lines(), [note]);

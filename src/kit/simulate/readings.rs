@@ -3,7 +3,7 @@
 
 use super::{Noise, Rehearsal, SIMULATED, SimulatedMachine, written};
 use crate::inputs::error_table::{Draft, Series};
-use crate::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
+use crate::inputs::job::{DiagonalMeasurement, MeasuredData};
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
@@ -58,10 +58,9 @@ const MOST_COMMENTS: usize = 1000;
 pub fn readings(
     machine: &SimulatedMachine<'_>,
     rehearsal: &Rehearsal,
-    job: &Job,
 ) -> Result<Simulation, Problems> {
     let mut problems = Problems::none();
-    rehearsal.check_measured(machine, job, &mut problems);
+    rehearsal.check_measured(machine.inputs, &mut problems);
     rehearsal.check_rows(&mut problems);
     problems.or_ok(())?;
     let mut exact = Vec::new();
@@ -189,10 +188,10 @@ impl Rehearsal {
 
     /// Notes errors that are not measured, or not in a direction in which a pass moves, or not all over the
     /// box: nothing is extrapolated.
-    fn check_measured(&self, machine: &SimulatedMachine<'_>, job: &Job, problems: &mut Problems) {
+    fn check_measured(&self, Inputs { job, model, .. }: &Inputs, problems: &mut Problems) {
         let of_errors = matches!(job.measurement.data, MeasuredData::Errors(_));
         let key = if of_errors { "measurement.errors" } else { "measurement.readings" };
-        for words in not_known(machine.model, |_, _| true) {
+        for words in not_known(model, |_, _| true) {
             let help = "measure them, or predict what was measured with `--errors`";
             problems.push(job.problem_at(key, words).help(help));
         }
@@ -200,7 +199,7 @@ impl Rehearsal {
             Some(program) if of_errors => program.size_path,
             _ => "measurement.step_diagonal.size_mm",
         };
-        for words in outside(machine.model, &self.measurement.volume) {
+        for words in outside(model, &self.measurement.volume) {
             let help = "keep the box inside the measured range: nothing is extrapolated";
             problems.push(job.problem_at(key, words).help(help));
         }
@@ -225,9 +224,10 @@ impl Noise {
 pub fn single_axes(
     machine: &SimulatedMachine<'_>,
     runs: u32,
-    (noise, stated_um): (Noise, Option<f64>),
+    noise: Noise,
     comments: Vec<String>,
 ) -> Draft {
+    let stated_um = machine.inputs.job.measurement.uncertainty.noise_um;
     let noise = Noise { um: noise.um / f64::from(runs).sqrt(), ..noise };
     let more = noise.um.squared() - stated_um.unwrap_or(0.0).squared();
     let column_um = more.max(0.0).sqrt();
@@ -240,8 +240,9 @@ pub fn single_axes(
 impl SimulatedMachine<'_> {
     /// The directions that an axis has rows for; `None` = both alike.
     fn directions(&self, axis: Axis) -> Vec<Option<Direction>> {
-        let mut measured = self.model.measured_along(axis).peekable();
-        if measured.peek().is_none() || self.model.ranges[axis].is_none() {
+        let model = &self.inputs.model;
+        let mut measured = model.measured_along(axis).peekable();
+        if measured.peek().is_none() || model.ranges[axis].is_none() {
             return Vec::new();
         }
         let one_way = measured.find_map(|(_, term)| match term.measured {
@@ -281,10 +282,11 @@ impl SimulatedMachine<'_> {
 
     /// Positions at which any error of an axis was measured, inside the range of all of them.
     fn positions(&self, axis: Axis) -> Vec<Millimetres> {
-        let Some((low, high)) = self.model.ranges[axis] else {
+        let model = &self.inputs.model;
+        let Some((low, high)) = model.ranges[axis] else {
             return Vec::new();
         };
-        let terms = self.model.measured_along(axis);
+        let terms = model.measured_along(axis);
         let mut positions: Vec<Millimetres> = terms
             .flat_map(|(_, measured)| measured.curves().flat_map(|curve| curve.knots().to_vec()))
             .filter(|knot| (low.mm()..=high.mm()).contains(&knot.mm()))
