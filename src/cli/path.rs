@@ -7,7 +7,7 @@ use crate::cli::outcome::{Outcome, Output, Plot};
 use crate::inputs::problems;
 use crate::page::{Ink, Trace};
 use crate::text::{Problem, Problems};
-use crate::visit::files::{Files, Long, plain_words};
+use crate::visit::files::{Files, Long, or_help, plain_words};
 use crate::visit::inputs;
 use crate::visit::job_files::Given;
 use crate::volume::tool_path::{Profile, limits, path_map};
@@ -107,10 +107,8 @@ struct ProgramText {
 impl ProgramText {
     /// Opens a file; `-` = standard input.
     fn open(files: &dyn Files, path: &Path) -> Result<ProgramText, Problem> {
-        let (name, long) = files.long(path).map_err(|problem| match problem.help {
-            Some(_) => problem,
-            None => problem.help("check the path of the part program"),
-        })?;
+        let help = "check the path of the part program";
+        let (name, long) = files.long(path).map_err(|problem| or_help(problem, help))?;
         Ok(ProgramText {
             name,
             reader: BufReader::with_capacity(BUFFER_BYTES, long),

@@ -118,8 +118,9 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
     visit.control = is_stated.map_or_else(String::new, |_| inputs.profile.name.clone());
     visit.inputs.clone_from(&inputs.hashes);
     if let ErrorSource::Separated { separation, readings, .. } = &inputs.errors {
-        let (document, picture) = standards::of_separation(locale, readings, separation)?;
-        visit.add("standards", &document, ("readings", picture))?;
+        let page = standards::of_separation(readings, separation)?;
+        let picture = page.picture(locale, &locale.words("readings_corrected"));
+        visit.add("standards", &page, ("readings", picture))?;
     }
     Ok((inputs.job, visit))
 }
@@ -178,12 +179,7 @@ impl Visit {
         let doubts = doubts.collect::<BTreeSet<_>>().into_iter().collect();
         let is_rehearsal = model.remarks.simulated().next().is_some();
         let mut visit = Visit { is_rehearsal, doubts, ..Visit::default() };
-        let curves = Curves {
-            machine: inputs.machine(),
-            loaded: None,
-            as_left: None,
-            limit_um: inputs.job.acceptance.max_deviation_um,
-        };
+        let curves = Curves { inputs, loaded: None, as_left: None };
         let heading = format!("{}: {}", page.name, locale.words("nine_errors_found"));
         visit.pictures.push(("curves", terms(locale, &heading, &curves)));
         visit.add("assess", &page, ("volume", page.picture(locale)))?;
@@ -205,10 +201,10 @@ impl Visit {
         file: &Path,
     ) -> Result<(), Problems> {
         let file = Given::read(files, file)?;
-        let (document, picture) = standards::of_axis(locale, &file)?;
+        let page = standards::of_axis(&file)?;
         self.linear.push(file.hash.path.clone());
         let name = linear_document(self.linear.len());
-        self.add(&name, &document, ("linear", picture))?;
+        self.add(&name, &page, ("linear", page.picture(locale)))?;
         self.inputs.push(file.hash);
         Ok(())
     }

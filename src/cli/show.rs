@@ -24,8 +24,7 @@ pub(super) fn nine_errors(
     loaded: Option<&Field>,
     as_left: Option<&ErrorModel>,
 ) -> Picture {
-    let limit_um = inputs.job.acceptance.max_deviation_um;
-    let curves = Curves { machine: inputs.machine(), loaded, as_left, limit_um };
+    let curves = Curves { inputs, loaded, as_left };
     let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
     terms(locale, &format!("{machine}: {}, {control}", locale.words("nine_errors")), &curves)
 }

@@ -10,7 +10,6 @@ use crate::inputs::import::stated::{
 use crate::inputs::import::{encoding_word, measured_runs};
 use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
-use crate::page::{Locale, Picture};
 use crate::quantity::{Axis, Direction};
 use crate::text::{LengthUnit, Problem, Problems};
 use crate::visit::files::Files;
@@ -77,11 +76,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.shows.outcome(files, || page.screen(), || &page, |locale| page.picture(locale))
 }
 
-/// The document and the picture of runs of one axis, which say by themselves what they hold.
-pub(super) fn of_axis<'a>(
-    locale: Locale<'_>,
-    file: &'a Given<'_>,
-) -> Result<(AxisPage<'a>, Picture), Problems> {
+/// Runs of one axis, which say by themselves what they hold.
+pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems> {
     let kind = file.kind();
     if kind != FileKind::Table {
         let (name, is) = (&file.name, kind.words());
@@ -93,9 +89,7 @@ pub(super) fn of_axis<'a>(
     let stated = Stated { unit: None, values: None };
     let runs = Runs::read(&file.source()?, stated)?;
     let name = Path::new(&file.name).file_name().and_then(OsStr::to_str).unwrap_or(&file.name);
-    let page = AxisPage::of(name, &runs, None, Vec::new())?;
-    let picture = page.picture(locale);
-    Ok((page, picture))
+    Ok(AxisPage::of(name, &runs, None, Vec::new())?)
 }
 
 impl Options {

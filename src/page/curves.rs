@@ -4,7 +4,7 @@
 use super::locale::Locale;
 use super::picture::{Drawn, Ink, Mark, Panel, Picture, Scale, at_one_height};
 use crate::judge::field::Field;
-use crate::judge::forecast::Machine;
+use crate::kit::Inputs;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::Separation;
 use crate::machine::standards::ByDirection;
@@ -15,14 +15,12 @@ use crate::read::emulate::Response;
 /// What the nine curves are drawn from; what is not there is not drawn.
 #[derive(Clone, Copy)]
 pub struct Curves<'a> {
-    /// As found.
-    pub machine: Machine<'a>,
+    /// As found, and what is asked for.
+    pub inputs: &'a Inputs,
     /// The tables as the control would add them, emulated from their bytes.
     pub loaded: Option<&'a Field>,
     /// As left.
     pub as_left: Option<&'a ErrorModel>,
-    /// The largest deviation that is asked for, µm.
-    pub limit_um: Option<f64>,
 }
 
 /// Places of a curve over the measured range; between two of them a curve is straight on paper.
@@ -40,7 +38,8 @@ const K: f64 = 2.0;
 pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Picture {
     let drawn = ErrorTerm::ALL.map(|term| of(locale, term, curves.range(term), curves.marks(term)));
     let (mut panels, um) = at_one_height(locale, drawn);
-    let limits = curves.limit_um.into_iter().flat_map(|limit| [limit, -limit]);
+    let limit_um = curves.inputs.job.acceptance.max_deviation_um;
+    let limits = limit_um.into_iter().flat_map(|limit| [limit, -limit]);
     let limits = limits.filter(|at| (um.0..=um.1).contains(at));
     for Panel { across, marks, .. } in panels.iter_mut().flatten() {
         let level = |at| Mark::Line(Ink::Limit, vec![(across.from, at), (across.to, at)]);
@@ -103,7 +102,7 @@ fn of(locale: Locale<'_>, term: ErrorTerm, (from, to): (f64, f64), marks: Vec<Ma
 
 impl Curves<'_> {
     fn found(&self, term: ErrorTerm) -> Option<&MeasuredTerm> {
-        self.machine.as_measured.terms[term].as_ref()
+        self.inputs.as_measured().terms[term].as_ref()
     }
 
     fn left(&self, term: ErrorTerm) -> Option<&MeasuredTerm> {
@@ -147,7 +146,7 @@ impl Curves<'_> {
     /// tables.
     fn forecast(&self, term: ErrorTerm) -> (Vec<CurveLine>, Vec<f64>) {
         let (mut lines, mut places): (Vec<CurveLine>, Vec<f64>) = (Vec::new(), Vec::new());
-        let known = self.machine.uncompensated.terms[term].as_ref();
+        let known = self.inputs.model.terms[term].as_ref();
         let Some((control, known)) = self.loaded.zip(known) else {
             return (lines, places);
         };

@@ -195,7 +195,8 @@ pub(crate) fn beside_job(problem: Problem) -> Problem {
     or_help(problem, "relative paths in a job are relative to the job file")
 }
 
-fn or_help(problem: Problem, help: &str) -> Problem {
+/// The same of whatever else has none of its own.
+pub(crate) fn or_help(problem: Problem, help: &str) -> Problem {
     match problem.help {
         Some(_) => problem,
         None => problem.help(help),

@@ -101,7 +101,7 @@ impl AxisPage<'_> {
     }
 
     /// Means and bands at the targets.
-    pub(super) fn picture(&self, locale: Locale<'_>) -> Picture {
+    pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Picture {
         let name = String::new();
         let across = locale.words("target");
         targets(locale, self.name, &across, &[(name, &self.iso_230_2.figures)])
@@ -280,18 +280,15 @@ pub(super) fn of_job(on: &dyn Files, path: &Path) -> Result<DiagonalPage, Proble
     Ok(DiagonalPage::new(&measurement.readings, ALONG, figures, notes))
 }
 
-/// The document and the picture of readings that were separated.
+/// Readings that were separated.
 pub(in crate::cli) fn of_separation(
-    locale: Locale<'_>,
     readings: &str,
     separation: &Separation,
-) -> Result<(DiagonalPage, Picture), Problems> {
+) -> Result<DiagonalPage, Problems> {
     let runs = &separation.zeroed_runs;
     let figures = by_standard(&separation.volume, PathKind::Step, runs, true)?;
-    let page =
-        DiagonalPage::new(readings, ALONG, figures, notes(separation.runs.len() > runs.len()));
-    let picture = page.picture(locale, &locale.words("readings_corrected"));
-    Ok((page, picture))
+    let notes = notes(separation.runs.len() > runs.len());
+    Ok(DiagonalPage::new(readings, ALONG, figures, notes))
 }
 
 /// Figures of readings alone: those that the box has no part in.
@@ -350,7 +347,7 @@ impl DiagonalPage {
         shows.outcome(files, || self.screen(), || self, picture)
     }
 
-    fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
+    pub(in crate::cli) fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
         let named = self.iso_230_6.figures.diagonals.iter();
         let named: Vec<_> = named.map(|(name, of)| (name.clone(), &of.figures)).collect();
         targets(locale, heading, &locale.words(self.across), &named)
