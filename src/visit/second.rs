@@ -80,8 +80,11 @@ impl Second {
         tables: &Path,
     ) -> Result<Second, Problems> {
         let file = Given::read(files, path)?;
-        let source = file.source()?;
-        if file.kind() != FileKind::Job {
+        let (kind, source) = (file.kind(), file.source()?);
+        if kind == FileKind::Readings {
+            return Err(readings_alone(&source).into());
+        }
+        if kind != FileKind::Job {
             return Ok(Second {
                 measurement: of_table(first, source)?,
                 errors: None,
@@ -159,7 +162,6 @@ impl Second {
 
 /// An error table counts in the coordinates of the first job.
 fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems> {
-    refuse_readings(&source)?;
     let table = ErrorTable::read(source)?;
     if !first.job.measurement.squareness.is_empty() {
         return Err(Problem::new(
@@ -173,18 +175,15 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
 }
 
 /// Readings by themselves do not say how they were taken.
-fn refuse_readings(source: &Source) -> Result<(), Problem> {
-    if FileKind::of(&source.name, source.text.as_bytes()) != FileKind::Readings {
-        return Ok(());
-    }
+fn readings_alone(source: &Source) -> Problem {
     let problem = Problem::new(
         "these are readings of the diagonals, expected an error table (CSV) or a job (TOML)",
     )
     .help("give the job that names them (`after.toml` of `nonius new`): how they were walked stands there");
-    Err(match header_and_rows(source) {
+    match header_and_rows(source) {
         Some((header, _)) => problem.at(header.cell_place(0)),
         None => problem,
-    })
+    }
 }
 
 fn of_job(
