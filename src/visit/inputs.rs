@@ -187,7 +187,8 @@ pub(crate) fn of_control(
         return Ok((None, vec![(file_name(full), files.bytes(full)?)]));
     }
     let names = files.names(full).map_err(refuse)?.into_iter();
-    let (manifest, found) = read_all(files, full, names.filter(|name| !name.starts_with('.')))?;
+    let (manifest, found) =
+        read_all(files, full, names.filter(|name| !is_left_by_a_computer(name)))?;
     if found.is_empty() {
         let empty = Problem::new(format!("`{path}` holds no file of a control"));
         return Err(empty.help("name the directory with the control's files"));
@@ -288,4 +289,19 @@ pub(crate) fn read_directory(
         found.ignored(name, "an operating system left it");
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::visit::files::Memory;
+
+    #[test]
+    fn what_operating_systems_leave_is_no_file_of_a_control() {
+        let left = [".DS_Store", "Thumbs.db", "desktop.ini"].map(|name| format!("old/{name}"));
+        let left = left.iter().map(|name| (name.as_str(), &b"\0"[..]));
+        let files = Memory::of(left.chain([("old/A.MPF", &b"M30"[..])]));
+        let (manifest, found) = of_control(&files, Path::new("old"), "old", "").unwrap();
+        assert_eq!((manifest, found), (None, vec![("A.MPF".to_string(), b"M30".to_vec())]));
+    }
 }
