@@ -94,8 +94,8 @@ pub(crate) fn loop_label(line: &[u8], at: usize) -> Option<Label> {
     if lexer.takes_word("END") {
         return lexer.whole_number().ok().map(|number| ("END", number));
     }
-    // The condition of a loop may name variables; its number stands behind the last `DO`.
-    let text = line.to_ascii_uppercase();
+    // The condition of a loop may name variables; its number stands behind the last `DO` before a comment.
+    let text = line.split(|byte| matches!(byte, b'(' | b';')).next()?.to_ascii_uppercase();
     lexer.at = 2 + text.windows(2).rposition(|pair| pair == b"DO")?;
     let number = lexer.whole_number().ok().filter(|_| matches!(text[at], b'W' | b'D'));
     number.map(|number| ("DO", number))

@@ -106,6 +106,8 @@ fn what_has_no_value_is_refused_with_its_place() {
 fn loops_and_jumps_of_fanuc() {
     let count = "G91 G1\n#1=0\nWHILE [#1 LT 3] DO1\n#1=#1+1\nX1\nEND1\nY1";
     assert_eq!(last(count), "3 1 0");
+    let said = "G91 G1\n#1=0\nWHILE [#1 LT 3] DO1 (DO IT)\n#1=#1+1\nX1\nEND1";
+    assert_eq!(last(said), "3 0 0");
     let nested = "G91 G1\n#1=0\nWHILE[#1LT2]DO1\n#2=0\nWHILE[#2LT3]DO2\nX1\n#2=#2+1\nEND2\nY1\n#1=#1+1\nEND1";
     assert_eq!(last(nested), "6 2 0");
     let jump = "G91 G1\n#1=5\nN10 X1\n#1=#1-1\nIF [#1 GT 0] GOTO 10\nGOTO 30\nX100\nN30 Y1";
