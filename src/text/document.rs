@@ -176,4 +176,15 @@ mod tests {
         let problem = refuse_long_lines("a", &format!("1\n{long}x")).expect_err("it is longer");
         assert!(problem.message.starts_with("line 2 of `a`"), "{problem:?}");
     }
+
+    #[test]
+    fn whole_numbers_may_be_written_in_other_bases() {
+        let page = "blocks = [[0x10, 0b100000]]\n[protocol]\nserial = 0x1F\n";
+        let source = Source::from_bytes("job.toml", page.as_bytes()).expect("it is text");
+        let read =
+            |root: &Section<'_>| Some((root.whole_pairs("blocks"), root.entries("protocol")));
+        let (found, _) = read_page_over(source, &[], |_, _| (), read).expect("it is a page");
+        let protocol = vec![("serial".to_string(), "0x1F".to_string())];
+        assert_eq!(found, (Some(vec![[16, 32]]), protocol));
+    }
 }

@@ -217,12 +217,7 @@ impl<'a> Section<'a> {
 
     /// A whole number from 0, if the key is present.
     pub fn whole(&self, key: &'static str) -> Option<u32> {
-        self.typed(key, "a whole number from 0", |value| match value {
-            DeValue::Integer(integer) => {
-                u32::from_str_radix(integer.as_str(), integer.radix()).ok()
-            }
-            _ => None,
-        })
+        self.typed(key, "a whole number from 0", whole_of)
     }
 
     /// `true` or `false`, if the key is present.
@@ -272,8 +267,7 @@ impl<'a> Section<'a> {
 
     /// A list of pairs of whole numbers, if the key is present.
     pub(crate) fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
-        let whole = |value: &DeValue<'_>| value.as_integer()?.as_str().parse().ok();
-        let pair = |value: &DeValue<'_>| list_of(value, whole)?.try_into().ok();
+        let pair = |value: &DeValue<'_>| list_of(value, whole_of)?.try_into().ok();
         let expected = "pairs of whole numbers, e.g. [[512, 767]]";
         self.typed(key, expected, |value| list_of(value, pair))
     }
@@ -310,7 +304,7 @@ impl<'a> Section<'a> {
     pub(crate) fn entries(&self, key: &'static str) -> Vec<(String, String)> {
         let text = |value: &DeValue<'_>| match value {
             DeValue::String(text) => Some(text.to_string()),
-            DeValue::Integer(number) => Some(number.as_str().to_string()),
+            DeValue::Integer(number) => Some(number.to_string()),
             DeValue::Float(number) => Some(number.as_str().to_string()),
             _ => None,
         };
@@ -392,6 +386,12 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
     };
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite())?;
     Some(number + 0.0) // −0 becomes 0
+}
+
+/// A whole number from 0, in whatever base it is written.
+fn whole_of(value: &DeValue<'_>) -> Option<u32> {
+    let integer = value.as_integer()?;
+    u32::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
 
 /// Every entry of a list, if all of them can be read.
