@@ -2,7 +2,7 @@
 
 use crate::Language;
 use crate::codes::name_of;
-use crate::expression::{Variables, natural};
+use crate::expression::{Variables, natural, nearly_natural};
 use crate::lexer::{Counts, Lexer, Word};
 use crate::wrong::{Span, Wrong, refuse};
 
@@ -203,8 +203,7 @@ impl Block {
         let Some(value) = self.value(letter) else {
             return Ok(None);
         };
-        let near = natural(value).filter(|_| (value - value.round()).abs() < 1e-9);
-        if let Some(number) = near.and(natural(value.round())) {
+        if let Some(number) = nearly_natural(value) {
             return Ok(Some(number));
         }
         let what = format!("`{}` is {value}, expected a whole number from 0", char::from(letter));

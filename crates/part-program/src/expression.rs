@@ -185,13 +185,15 @@ impl Lexer<'_> {
 
 /// A whole number from 0 that names something.
 fn whole(value: f64, place: Span) -> Result<u32, Wrong> {
-    if (value - value.round()).abs() < ROUNDING
-        && let Some(number) = natural(value).and(natural(value.round()))
-    {
-        return Ok(number);
-    }
-    let what = format!("{value} is no whole number from 0");
-    refuse(place, what, "expected the number of a variable, a block or a loop")
+    let what = || format!("{value} is no whole number from 0");
+    let help = "expected the number of a variable, a block or a loop";
+    nearly_natural(value).ok_or_else(|| Wrong::new(place, what(), help))
+}
+
+/// The number that a control can have and that a value is but for rounding.
+pub(crate) fn nearly_natural(value: f64) -> Option<u32> {
+    let near = natural(value).and(natural(value.round()));
+    near.filter(|_| (value - value.round()).abs() < ROUNDING)
 }
 
 /// The whole part of a number from 0 on that a control can have.
@@ -203,7 +205,7 @@ pub(crate) fn natural(value: f64) -> Option<u32> {
 /// Comparisons of numbers that are nearer than this, and not the same, are decided by rounding.
 pub(crate) const ROUNDING: f64 = 1e-9;
 /// Exponents that are executed.
-const MOST_POWER: f64 = 64.0;
+const MOST_POWER: u32 = 64;
 /// LinuxCNC takes numbers that are nearer than this for equal.
 const EQUAL: f64 = 1e-4;
 
@@ -286,16 +288,10 @@ fn compared(sign: &str, a: f64, b: f64) -> Evaluated {
 
 /// By multiplication, so that it is the same on every computer.
 fn power(a: f64, b: f64) -> Evaluated {
-    if !(0.0..=MOST_POWER).contains(&b) || b.fract() > 0.0 {
-        let what = format!("`**` with the exponent {b} is not executed");
-        return Err((what, "write a whole exponent from 0 to 64"));
-    }
-    let (mut product, mut left) = (1.0, b);
-    while left > 0.0 {
-        product *= a;
-        left -= 1.0;
-    }
-    Ok(product)
+    let times = natural(b).filter(|times| *times <= MOST_POWER && b.fract() <= 0.0);
+    let refused = || format!("`**` with the exponent {b} is not executed");
+    let times = times.ok_or_else(|| (refused(), "write a whole exponent from 0 to 64"))?;
+    Ok((0..times).map(|_| a).product())
 }
 
 /// Whether a number is whole but for rounding: then rounding decides to which side it goes.

@@ -26,8 +26,7 @@ pub(super) struct Tally {
     /// M words without motion, with how often they stand and the letters beside them.
     pub(super) m: BTreeMap<u16, (u64, BTreeSet<char>)>,
     /// Coordinates without a decimal point, and the first line with one.
-    pub(super) without_point: u64,
-    pub(super) first_without_point: usize,
+    pub(super) without_point: Option<(u64, usize)>,
     pub(super) holes: u64,
     /// G5, G5.1, G8.
     pub(super) look_ahead: u64,

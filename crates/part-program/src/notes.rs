@@ -6,7 +6,6 @@ use crate::{Setup, WithoutPoint};
 
 pub(super) fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
     let any = |count: u64| (count > 0).then_some(count);
-    let first = tally.first_without_point;
     let meaning = match setup.without_point {
         WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
         WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
@@ -18,7 +17,7 @@ pub(super) fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String>
     });
     let words = words.collect::<Vec<String>>().join(", ");
     let found = [
-        any(tally.without_point).map(|count| format!("coordinates without a decimal point: {count}, the first in line {first}; taken as {meaning}; see `without_point` in [path]")),
+        tally.without_point.map(|(count, first)| format!("coordinates without a decimal point: {count}, the first in line {first}; taken as {meaning}; see `without_point` in [path]")),
         any(deletable).map(|count| format!("lines with `/`: {count}, {what}; see `block_delete` in [path]")),
         any(tally.look_ahead).map(|count| format!("look-ahead (G5, G5.1, G8) is switched on {count} times: taken not to change the path")),
         tally.blend.map(|(mm, line)| format!("G64 (ADIS and CYCLE832 of Siemens too) lets the control leave the path by up to {mm:.3} mm (the first so in line {line}): the path is followed as it is written")),

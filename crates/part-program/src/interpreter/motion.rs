@@ -126,9 +126,8 @@ impl Interpreter {
         if block.has_point(letter) {
             return Some(value * unit);
         }
-        self.tally.without_point += u64::from(value != 0.0);
-        if self.tally.first_without_point == 0 && value != 0.0 {
-            self.tally.first_without_point = self.line;
+        if value != 0.0 {
+            self.tally.without_point.get_or_insert((0, self.line)).0 += 1;
         }
         Some(match (self.setup.without_point, self.inch) {
             (WithoutPoint::Unit, _) => value * unit,
