@@ -26,25 +26,25 @@ use crate::text::{Finding, Word, bounded, joined, once, words};
 use serde::Serialize;
 use std::fmt;
 
-const DOUBT: &str = "doubt:";
-const UNKNOWN: &str = "not determined:";
-const REVERSAL: &str = "reversal not held:";
-const FREEDOM: &str = "degrees of freedom:";
-const NOT_STATED: &str = "not stated:";
-const LARGEST: &str = "largest error (95 %), um, zero at";
-const MEASURED: &str = "as measured at most so much more (95 %), um, zero at";
-const ANEW: &str = "u of what another measurement does not repeat, um:";
-const SAME_LASER: &str = "u of what another measurement with the same laser does not repeat, um:";
-const DOUBTFUL: &str = "doubtful beside that, um:";
-const NEGLECTED: &str = "neglected by decision:";
-const FRAME: &str = "frame:";
-const LINES: &str = "on the lines X, Y, Z, mm:";
-const NOTE: &str = "note:";
-/// How a remark may begin.
-const KEYS: [&str; 14] = [
-    DOUBT, REVERSAL, FREEDOM, NOT_STATED, LARGEST, MEASURED, ANEW, SAME_LASER, DOUBTFUL, NEGLECTED,
-    FRAME, LINES, NOTE, UNKNOWN,
-];
+words! {
+    /// How a remark begins.
+    enum Key {
+        Doubt = "doubt:",
+        Unknown = "not determined:",
+        Reversal = "reversal not held:",
+        Freedom = "degrees of freedom:",
+        NotStated = "not stated:",
+        Largest = "largest error (95 %), um, zero at",
+        Measured = "as measured at most so much more (95 %), um, zero at",
+        Anew = "u of what another measurement does not repeat, um:",
+        SameLaser = "u of what another measurement with the same laser does not repeat, um:",
+        Doubtful = "doubtful beside that, um:",
+        Neglected = "neglected by decision:",
+        Frame = "frame:",
+        Lines = "on the lines X, Y, Z, mm:",
+        Note = "note:",
+    }
+}
 
 /// Remarks of one kind that are kept: a screen shows five of them.
 const MOST_REMARKS: usize = 1000;
@@ -96,15 +96,16 @@ pub struct Silence {
 impl Silence {
     /// One comment for each of which there is anything.
     fn lines(&self) -> impl Iterator<Item = String> {
-        let all = [(NOT_STATED, &self.not_stated), (NEGLECTED, &self.neglected)];
+        let all = [(Key::NotStated, &self.not_stated), (Key::Neglected, &self.neglected)];
         let any = all.into_iter().filter(|(_, causes)| !causes.is_empty());
-        any.map(|(key, causes)| format!("{key} {}", keys(causes)))
+        any.map(|(key, causes)| format!("{} {}", key.word(), keys(causes)))
     }
 
     /// One sentence for each, for the lines beside a result.
     pub fn sentences(&self) -> Vec<String> {
         let open = "; a verdict on these errors is at most undecided";
-        let of = |line: String| if line.starts_with(NOT_STATED) { line + open } else { line };
+        let of =
+            |line: String| if line.starts_with(Key::NotStated.word()) { line + open } else { line };
         self.lines().map(of).collect()
     }
 }
@@ -318,30 +319,31 @@ impl Remarks {
     }
 
     fn hear(&mut self, comment: &str) {
-        let known = |key: &&'static str| Some((*key, comment.strip_prefix(key)?));
-        let Some((key, words)) = KEYS.iter().find_map(known) else { return };
+        let mut known = Key::WORDS.iter();
+        let own = known.find_map(|(begins, key)| Some((*key, comment.strip_prefix(begins)?)));
+        let Some((key, words)) = own else { return };
         let words = bounded(words.trim().to_string());
         let doubtful = |words: String| Finding::from(Remark::Doubtful { words });
         match key {
-            DOUBT => self.doubts.push(doubtful(words)),
-            NOTE => self.notes.push(note(words)),
-            LARGEST => self.largest = LargestErrors::read(&words),
-            MEASURED => self.measured = LargestErrors::read(&words),
-            ANEW => self.anew = Sizes::read(&words),
-            SAME_LASER => {
+            Key::Doubt => self.doubts.push(doubtful(words)),
+            Key::Note => self.notes.push(note(words)),
+            Key::Largest => self.largest = LargestErrors::read(&words),
+            Key::Measured => self.measured = LargestErrors::read(&words),
+            Key::Anew => self.anew = Sizes::read(&words),
+            Key::SameLaser => {
                 let of =
                     |(serial, words)| Some((str::trim(serial).to_string(), Sizes::read(words)?));
                 self.same_laser = words.rsplit_once(':').and_then(of);
             }
-            DOUBTFUL => match Sizes::read(&words) {
+            Key::Doubtful => match Sizes::read(&words) {
                 Some(sizes) => self.doubtful = Some(sizes),
                 None => self.doubts.push(doubtful(comment.to_string())),
             },
-            FRAME => {
+            Key::Frame => {
                 let known = Frame::WORDS.iter().find(|(word, _)| *word == words);
                 self.frame = self.frame.or(known.map(|(_, frame)| *frame));
             }
-            LINES => {
+            Key::Lines => {
                 let places =
                     words.split(',').map(|mm| mm.trim().parse().ok().map(Millimetres::new));
                 match places.collect::<Option<Vec<Millimetres>>>().as_deref() {
@@ -349,29 +351,29 @@ impl Remarks {
                     _ => self.doubts.push(doubtful(comment.to_string())),
                 }
             }
-            NOT_STATED => {
+            Key::NotStated => {
                 let causes = Cause::listed(&words);
                 if causes.len() < words.split(',').count() {
                     self.doubts.push(doubtful(comment.to_string()));
                 }
                 join(&mut self.silence.not_stated, causes);
             }
-            NEGLECTED => join(&mut self.silence.neglected, Cause::listed(&words)),
-            REVERSAL => {
+            Key::Neglected => join(&mut self.silence.neglected, Cause::listed(&words)),
+            Key::Reversal => {
                 let um: Option<f64> =
                     words.split_whitespace().next().and_then(|um| um.parse().ok());
                 self.hidden_reversal_um =
                     um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
             }
-            FREEDOM => {
+            Key::Freedom => {
                 let freedom = words.parse().ok().filter(|freedom: &f64| *freedom >= 1.0);
                 self.degrees_of_freedom = of_both(freedom, self.degrees_of_freedom, smaller);
             }
-            _ => {
+            Key::Unknown => {
                 let (term, reason) = words.split_once(':').unwrap_or((&words, ""));
                 match ErrorTerm::from_name(term.trim()) {
                     Some(term) => self.not_determined.push((term, reason.trim().to_string())),
-                    None => self.notes.push(note(format!("{UNKNOWN} {words}"))),
+                    None => self.notes.push(note(format!("{} {words}", key.word()))),
                 }
             }
         }
@@ -385,26 +387,26 @@ impl Remarks {
         let same_laser = same_laser.map(|(serial, sizes)| format!("{serial}: {sizes}"));
         let places = self.lines.map(|at| joined(at.iter().map(|(_, place)| place.mm())));
         let mut lines = Vec::new();
-        tell(&mut lines, DOUBT, &self.doubts);
-        tell(&mut lines, UNKNOWN, missing);
-        tell(&mut lines, REVERSAL, reversal);
-        tell(&mut lines, FREEDOM, self.degrees_of_freedom);
+        tell(&mut lines, Key::Doubt, &self.doubts);
+        tell(&mut lines, Key::Unknown, missing);
+        tell(&mut lines, Key::Reversal, reversal);
+        tell(&mut lines, Key::Freedom, self.degrees_of_freedom);
         lines.extend(self.silence.lines());
-        tell(&mut lines, LARGEST, &self.largest);
-        tell(&mut lines, MEASURED, &self.measured);
-        tell(&mut lines, ANEW, &self.anew);
-        tell(&mut lines, SAME_LASER, same_laser);
-        tell(&mut lines, DOUBTFUL, &self.doubtful);
-        tell(&mut lines, FRAME, self.frame.map(Frame::word));
-        tell(&mut lines, LINES, places);
-        tell(&mut lines, NOTE, &self.notes);
+        tell(&mut lines, Key::Largest, &self.largest);
+        tell(&mut lines, Key::Measured, &self.measured);
+        tell(&mut lines, Key::Anew, &self.anew);
+        tell(&mut lines, Key::SameLaser, same_laser);
+        tell(&mut lines, Key::Doubtful, &self.doubtful);
+        tell(&mut lines, Key::Frame, self.frame.map(Frame::word));
+        tell(&mut lines, Key::Lines, places);
+        tell(&mut lines, Key::Note, &self.notes);
         lines
     }
 }
 
 /// A line for each remark of one kind.
-fn tell<T: fmt::Display>(lines: &mut Vec<String>, key: &str, said: impl IntoIterator<Item = T>) {
-    lines.extend(said.into_iter().map(|words| format!("{key} {words}")));
+fn tell<T: fmt::Display>(lines: &mut Vec<String>, key: Key, said: impl IntoIterator<Item = T>) {
+    lines.extend(said.into_iter().map(|words| format!("{} {words}", key.word())));
 }
 
 /// A note of a table; whether its values were simulated stands at its beginning.
