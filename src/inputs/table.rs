@@ -171,9 +171,9 @@ impl<'a> Table<'a> {
         let known = known(&header)?;
         refuse_other_first_line(&header, first_line)?;
         let names: Vec<&str> = known.iter().map(|column| column.name.as_str()).collect();
-        let (mut problems, mut found) = (Problems::none(), Vec::<Column>::new());
+        let mut found = Vec::<Column>::new();
         for (index, name) in header.cells().iter().enumerate() {
-            let mut refuse = |problem: Problem| problems.push(problem.at(header.cell_place(index)));
+            let refuse = |problem: Problem| notes.refuse(problem.at(header.cell_place(index)));
             let Some(own) = known.iter().find(|own| own.name == **name) else {
                 refuse(unknown_column(name, &names, columns));
                 continue;
@@ -183,7 +183,7 @@ impl<'a> Table<'a> {
             }
             found.push(Column { index, ..own.clone() });
         }
-        problems.or_ok(Table { header, columns: found, lines, notes, first_line })
+        notes.end(Table { header, columns: found, lines, notes, first_line })
     }
 
     /// The first column that holds such a thing.

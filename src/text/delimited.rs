@@ -5,29 +5,28 @@
 //! [`crate::inputs::error_table`], `crate::inputs::readings`.
 
 use crate::quantity::{MM_PER_INCH, UM_PER_MM};
-use crate::text::{LARGEST_NUMBER, Place, Problem, Problems, Source, nearest, refused, shown};
+use crate::text::{
+    LARGEST_NUMBER, Place, Problem, Problems, Source, counted, nearest, refused, shown, words,
+};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A unit of length that a measurement is given in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum LengthUnit {
-    /// Micrometres.
-    Um,
-    /// Millimetres.
-    Mm,
-    /// Inches.
-    In,
-    /// Microinches.
-    Uin,
+words! {
+    /// A unit of length that a measurement is given in, as in the names of columns and on the command line.
+    #[derive(clap::ValueEnum)]
+    pub enum LengthUnit {
+        /// Micrometres.
+        Um = "um",
+        /// Millimetres.
+        Mm = "mm",
+        /// Inches.
+        In = "in",
+        /// Microinches.
+        Uin = "uin",
+    }
 }
 
 impl LengthUnit {
-    /// Its word in the names of columns and on the command line.
-    pub const fn word(self) -> &'static str {
-        ["um", "mm", "in", "uin"][self as usize]
-    }
-
     /// How many micrometres it has.
     pub const fn um(self) -> f64 {
         let inch = MM_PER_INCH * UM_PER_MM;
@@ -98,7 +97,8 @@ impl<'a> Line<'a> {
 
     /// Its cells, without quotation marks and the spaces around them.
     pub fn cells(&self) -> Vec<Cow<'a, str>> {
-        cells_of(self.text, self.delimiter)
+        let spans = spans_of(self.text, self.delimiter);
+        spans.map(|span| unquoted(self.text[span].trim())).collect()
     }
 
     /// Its cells, if they are as many as in the header.
@@ -114,8 +114,8 @@ impl<'a> Line<'a> {
                 "every row has as many cells as the header: a cell that may be empty keeps its separator"
             }
         };
-        let plural = if cells.len() == 1 { "" } else { "s" };
-        Err(refused::other_length(cells.len(), plural, columns, help).at(self.whole()))
+        let found = counted(cells.len(), "cell");
+        Err(refused::other_length(found, columns, help).at(self.whole()))
     }
 
     fn place(&self, span: Range<usize>) -> Place {
@@ -129,8 +129,8 @@ impl<'a> Line<'a> {
 
     /// The place of a cell.
     pub(crate) fn cell_place(&self, index: usize) -> Place {
-        let spans = spans_of(self.text, self.delimiter);
-        let span = spans.get(index).cloned().unwrap_or(self.text.len()..self.text.len());
+        let mut spans = spans_of(self.text, self.delimiter);
+        let span = spans.nth(index).unwrap_or(self.text.len()..self.text.len());
         let cell = &self.text[span.clone()];
         let start = span.end - cell.trim_start().len();
         self.place(start..start + cell.trim().len().max(1))
@@ -223,14 +223,6 @@ pub(crate) fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>
     Some((header.without_last(nameless), lines.map(|line| line.without_last(nameless)).collect()))
 }
 
-fn cells_of(line: &str, delimiter: u8) -> Vec<Cow<'_, str>> {
-    if !line.contains('"') {
-        let cells = line.split(char::from(delimiter));
-        return cells.map(|cell| Cow::Borrowed(cell.trim())).collect();
-    }
-    spans_of(line, delimiter).into_iter().map(|span| unquoted(line[span].trim())).collect()
-}
-
 /// A cell without the quotation marks around it; two of them inside stand for one.
 fn unquoted(cell: &str) -> Cow<'_, str> {
     let inside = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
@@ -242,18 +234,17 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
 }
 
 /// Where the cells stand, with the blanks around them.
-fn spans_of(line: &str, delimiter: u8) -> Vec<Range<usize>> {
+fn spans_of(line: &str, delimiter: u8) -> impl Iterator<Item = Range<usize>> {
     let mut quoted = false;
-    let is_end = |byte: &u8| {
+    let is_end = move |byte: &u8| {
         quoted ^= *byte == b'"';
         *byte == delimiter && !quoted
     };
     let mut start = 0;
-    let cells = line.as_bytes().split(is_end).map(|cell| {
+    line.as_bytes().split(is_end).map(move |cell| {
         let end = start + cell.len();
         std::mem::replace(&mut start, end + 1)..end
-    });
-    cells.collect()
+    })
 }
 
 /// Columns of a table; runs of a linear axis are far fewer.

@@ -34,51 +34,48 @@ pub trait Kind: Any + Send + Sync {
 
 /// A finding of any room. In JSON it is its words.
 #[derive(Clone)]
-pub struct Finding {
-    kind: Arc<dyn Any + Send + Sync>,
-    severity: Severity,
-    words: String,
-}
+pub struct Finding(Arc<dyn Kind>);
 
 impl Finding {
     /// The kind with its facts, if it is one of the room that is asked for.
     pub fn kind<K: Kind>(&self) -> Option<&K> {
-        self.kind.downcast_ref()
+        let kind: &dyn Any = &*self.0;
+        kind.downcast_ref()
     }
 
     /// How grave it is.
     pub(crate) fn severity(&self) -> Severity {
-        self.severity
+        self.0.severity()
     }
 }
 
 impl<K: Kind> From<K> for Finding {
     fn from(kind: K) -> Finding {
-        Finding { severity: kind.severity(), words: kind.words(), kind: Arc::new(kind) }
+        Finding(Arc::new(kind))
     }
 }
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.words)
+        f.write_str(&self.0.words())
     }
 }
 
 impl fmt::Debug for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?}: {}", self.severity, self.words)
+        write!(f, "{:?}: {self}", self.severity())
     }
 }
 
 impl PartialEq for Finding {
     fn eq(&self, other: &Finding) -> bool {
-        self.severity == other.severity && self.words == other.words
+        self.severity() == other.severity() && self.0.words() == other.0.words()
     }
 }
 
 impl Serialize for Finding {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(&self.words)
+        to.serialize_str(&self.0.words())
     }
 }
 

@@ -71,17 +71,14 @@ fn window(line: &str, at: usize, column: usize) -> (String, usize) {
     (format!("…{}", cut(&line[start..], LONGEST_LINE)), column - shown - 1)
 }
 
-/// Lines and columns of the places of one text: how many line ends and characters stand before each block of
-/// bytes, counted once for the whole text when the first place is asked for.
+/// Lines of the places of one text: how many line ends stand before each block of bytes, counted once for the whole
+/// text when the first place is asked for.
 #[derive(Clone, Debug, Default)]
 pub struct LineIndex {
-    before: OnceLock<Vec<Count>>,
+    before: OnceLock<Vec<usize>>,
 }
 
-/// Line ends and characters.
-type Count = [usize; 2];
-
-/// Bytes of a text in which they are counted again for each place.
+/// Bytes of a text in which line ends are counted again for each place.
 const INDEX_BLOCK: usize = 1 << 10;
 
 impl LineIndex {
@@ -98,35 +95,25 @@ impl LineIndex {
             source,
             end.clamp(start, line_start + text.len().max(start - line_start)),
         );
-        let [before, [ends, at], [_, behind]] =
-            [line_start, start, end].map(|at| self.before(source.as_bytes(), at));
-        let column = at - before[1] + 1;
+        let column = source[line_start..start].chars().count() + 1;
+        let width = source[start..end].chars().count().max(1);
         let (text, skipped) = window(text, start - line_start, column);
-        let (file, line) = (file.to_string(), ends + 1);
-        Place { file, line, column, width: (behind - at).max(1), text, skipped }
+        let (file, line) = (file.to_string(), self.line(source.as_bytes(), start));
+        Place { file, line, column, width, text, skipped }
     }
 
-    /// What stands before a byte of the text.
-    fn before(&self, text: &[u8], at: usize) -> Count {
-        let blocks = self.before.get_or_init(|| counted(text));
+    /// The number of the line in which a byte of the text stands.
+    fn line(&self, text: &[u8], at: usize) -> usize {
+        let ends = |part: &[u8]| part.iter().filter(|byte| **byte == b'\n').count();
+        let counted = |before: &mut usize, block| {
+            *before += ends(block);
+            Some(*before)
+        };
+        let blocks = || text.chunks(INDEX_BLOCK).scan(0, counted);
+        let before = self.before.get_or_init(|| std::iter::once(0).chain(blocks()).collect());
         let block = at / INDEX_BLOCK;
-        sum(blocks[block], &text[block * INDEX_BLOCK..at])
+        before[block] + ends(&text[block * INDEX_BLOCK..at]) + 1
     }
-}
-
-fn counted(text: &[u8]) -> Vec<Count> {
-    let blocks = text.chunks(INDEX_BLOCK).scan([0, 0], |before, block| {
-        *before = sum(*before, block);
-        Some(*before)
-    });
-    std::iter::once([0, 0]).chain(blocks).collect()
-}
-
-/// With those of a text behind it.
-fn sum([ends, characters]: Count, text: &[u8]) -> Count {
-    let begin = text.iter().filter(|byte| **byte & 0b1100_0000 != 0b1000_0000);
-    let new = text.iter().filter(|byte| **byte == b'\n');
-    [ends + new.count(), characters + begin.count()]
 }
 
 /// It follows from the text, so two texts that are equal have equal ones.
@@ -209,7 +196,7 @@ impl Problem {
 
     /// The problem as a person reads it: sentence, place, line with carets, next step, and what is to be
     /// known of other places.
-    fn render_with(&self, note: Option<String>) -> String {
+    fn render(&self) -> String {
         let level = Level::ERROR.with_name("problem");
         let mut group = Group::with_title(level.primary_title(seen(&self.message)));
         let source;
@@ -227,7 +214,7 @@ impl Problem {
             }
             group = group.element(snippet.annotation(AnnotationKind::Primary.span(start..end)));
         }
-        let notes = note.into_iter().chain(self.also_at());
+        let notes = self.same_in().into_iter().chain(self.also_at());
         group = group.elements(notes.map(|note| Level::NOTE.message(note)));
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(seen(help)));
@@ -278,18 +265,17 @@ impl Problem {
         self.is_shifted |= self.message != other.message;
     }
 
-    fn render(&self) -> String {
+    /// The other lines in which the same stands.
+    fn same_in(&self) -> Option<String> {
         let lines = joined(&self.lines[..self.lines.len().min(MOST_LINES)]);
         let note = match self.lines.len() {
-            0 => None,
-            1 => Some(format!("the same in line {lines}")),
-            2..=MOST_LINES => Some(format!("the same in lines {lines}")),
-            more => Some(format!("the same in {more} more lines, the next are {lines}")),
+            0 => return None,
+            1 => format!("the same in line {lines}"),
+            2..=MOST_LINES => format!("the same in lines {lines}"),
+            more => format!("the same in {more} more lines, the next are {lines}"),
         };
         let look = "; compare the cells of these rows with the header";
-        let look = if self.is_shifted { look } else { "" };
-        let note = note.map(|note| note + look);
-        self.render_with(note)
+        Some(note + if self.is_shifted { look } else { "" })
     }
 }
 
@@ -548,7 +534,7 @@ mod tests {
         let place = Place::in_text("table.csv", &line, start, start + 5);
         assert_eq!((place.column, place.width), (5001, 5));
         assert!(place.text.chars().count() <= LONGEST_LINE + 2);
-        let text = Problem::new("it is wrong").at(place).render_with(None);
+        let text = Problem::new("it is wrong").at(place).render();
         assert!(text.contains("table.csv:1:5001"), "{text}");
         let lines: Vec<&str> = text.lines().collect();
         let carets = lines.iter().position(|line| line.contains('^'));

@@ -34,7 +34,7 @@ refusals! {
     other_text(key, text, expected, help) => "`{key}` is `{text}`, expected {expected}", help;
     // Tables.
     open_quote() => "a quotation mark is opened but not closed in this row", "remove it; numbers need none";
-    other_length(found, plural, expected, help) => "the row has {found} cell{plural}, expected {expected} as in the header", help;
+    other_length(found, expected, help) => "the row has {found}, expected {expected} as in the header", help;
     other_number(name, found, what, help) => "`{name}` is {found}, {what}", help;
     many_columns(count, most, help) => "the first line has {count} columns, at most {most} are read", help;
     column_unit(name, what, list) => "column `{name}` has {what}, expected {list}", "the unit is part of the column's name";

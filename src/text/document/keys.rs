@@ -78,8 +78,9 @@ impl Section<'_> {
 
     /// Notes a key that is missing, with what it is.
     pub(crate) fn require(&self, key: &'static str, expected: &str) {
-        if !self.has(key) {
-            self.missing(key, expected);
+        if !self.has(key) && !self.is_absent() {
+            let place = format!("`{key}` is missing{}", self.within());
+            self.refuse(key, refused::missing(place, expected, key));
         }
     }
 

@@ -90,21 +90,12 @@ impl<'a> Section<'a> {
     }
 
     /// Whether it stands for one that is not there.
-    fn is_absent(&self) -> bool {
+    pub(super) fn is_absent(&self) -> bool {
         std::ptr::eq(self.table, &raw const self.noted.nothing)
     }
 
-    /// Notes that a required key is missing.
-    pub fn missing(&self, key: &str, expected: &str) {
-        if self.is_absent() {
-            return;
-        }
-        let place = format!("`{key}` is missing{}", self.within());
-        self.note(|| refused::missing(place, expected, key).at(self.source.place(&self.span)));
-    }
-
     /// Where its keys stand, in words.
-    fn within(&self) -> String {
+    pub(super) fn within(&self) -> String {
         if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) }
     }
 
