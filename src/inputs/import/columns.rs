@@ -14,7 +14,7 @@ use crate::inputs::refusals;
 use crate::inputs::table::{Cell, Column, Content, RUN, Row as Cells, Table, count};
 use crate::inputs::target_runs::{Values, approach, small_um};
 use crate::quantity::{Axis, Direction, UM_PER_MM};
-use crate::text::{Line, Problem, Problems, lines, shown};
+use crate::text::{Line, Problem, Problems, grouped, lines, shown};
 use std::borrow::Cow;
 
 pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
@@ -187,29 +187,25 @@ impl<'a> Intake<'a> {
             }
         }
         let (axis, run, position) = (axis?, run?, position?);
-        let mut rows: Vec<Row<'a>> = Vec::with_capacity(1);
-        for (content, number) in values {
-            let (direction, run, value) = match (content, term.map(|term| term.kind)) {
-                (Content::Reading(own), Some(kind @ Kind::Deviation(_))) => {
-                    let zero = match own.values {
-                        Some(Values::Deviations) => 0.0,
-                        _ => position * UM_PER_MM,
-                    };
-                    let value = (Content::Value(kind), number - zero);
-                    (own.direction.map(way).or(direction), own.run.map_or(run, u64::from), value)
-                }
-                (Content::Reading(_), _) => continue,
-                _ => (direction, run, (content, number)),
+        let of_runs = values.into_iter().filter_map(|(content, number)| {
+            let Content::Reading(own) = content else {
+                return Some(((direction, run), (content, number)));
             };
-            match rows.iter_mut().find(|row| (row.direction, row.run) == (direction, run)) {
-                Some(row) => row.values.push(value),
-                None => {
-                    let (line, values) = (line.line, vec![value]);
-                    rows.push(Row { line, axis, direction, run, position, values })
-                }
-            }
-        }
-        complete.then_some(rows)
+            let Some(kind @ Kind::Deviation(_)) = term.map(|term| term.kind) else {
+                return None;
+            };
+            let zero = match own.values {
+                Some(Values::Deviations) => 0.0,
+                _ => position * UM_PER_MM,
+            };
+            let run = (own.direction.map(way).or(direction), own.run.map_or(run, u64::from));
+            Some((run, (Content::Value(kind), number - zero)))
+        });
+        let row = |((direction, run), values)| {
+            let line = line.line;
+            Row { line, axis, direction, run, position, values }
+        };
+        complete.then(|| grouped(of_runs).into_iter().map(row).collect())
     }
 }
 

@@ -309,7 +309,7 @@ impl<'a> Piece<'a> {
 
     /// A whole number from 1.
     pub(super) fn count(&self, what: &str) -> Option<usize> {
-        self.meaning(what, RUN.0, count)
+        self.read(what, RUN.0, AGAIN, count)
     }
 
     /// What the text means, or the next step.
@@ -325,16 +325,6 @@ impl<'a> Piece<'a> {
             self.unexpected(what, expected, help);
         }
         meaning
-    }
-
-    /// What the text means, of a file that its program wrote so.
-    pub(super) fn meaning<T>(
-        &self,
-        what: &str,
-        expected: &str,
-        read: impl Fn(&str) -> Option<T>,
-    ) -> Option<T> {
-        self.read(what, expected, AGAIN, read)
     }
 }
 

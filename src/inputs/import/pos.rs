@@ -12,7 +12,7 @@ use crate::control::controller::TableSign;
 use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
 use crate::inputs::import::reading::Passes;
-use crate::inputs::refusals;
+use crate::inputs::refusals::{self, AGAIN};
 use crate::quantity::{Pass, UM_PER_MM};
 use crate::text::{LengthUnit, shown};
 
@@ -108,12 +108,12 @@ fn header(fields: &Fields<'_>, first: &Piece<'_>) -> Option<Header> {
     };
     let [unit, positions, runs, kind] = ["Unit", "NumofPos", "RunNum", "TestType"].map(field);
     let unit = unit.and_then(|word| {
-        word.meaning("`Unit`", "a unit of length such as mm or inch", LengthUnit::from_text)
+        word.read("`Unit`", "a unit of length such as mm or inch", AGAIN, LengthUnit::from_text)
     });
     let positions = positions.and_then(|word| word.count("`NumofPos`"));
     let runs = runs.and_then(|word| word.count("`RunNum`"));
     let both = kind.and_then(|word| {
-        word.meaning("`TestType`", "`Unidirection` or `Bidirection`", |text| {
+        word.read("`TestType`", "`Unidirection` or `Bidirection`", AGAIN, |text| {
             let text = text.to_lowercase();
             let both = text.starts_with("bi");
             (both || text.starts_with("uni")).then_some(both)

@@ -163,18 +163,18 @@ impl<'a> Layout<'a> {
     fn by_target<'r>(&self, readings: &'r [Reading<'a>]) -> Targets<'r, 'a> {
         let mut sorted: Vec<&Reading<'_>> = readings.iter().collect();
         sorted.sort_by(|a, b| a.target_mm.total_cmp(&b.target_mm));
-        let mut targets: Targets<'_, '_> = Vec::new();
-        for reading in sorted {
-            let key = (reading.direction, reading.run);
-            match targets.last_mut().filter(|(mm, _)| *mm >= reading.target_mm) {
-                Some((_, of_target)) => match of_target.get(&key) {
-                    None => _ = of_target.insert(key, reading),
-                    Some(first) => self.table.notes.refuse_with(|| self.twice(first, reading)),
-                },
-                None => targets.push((reading.target_mm, BTreeMap::from([(key, reading)]))),
+        let at_one_place = sorted.chunk_by(|a, b| a.target_mm >= b.target_mm);
+        let targets = at_one_place.map(|readings| {
+            let mut of_target = BTreeMap::new();
+            for reading in readings {
+                let first = *of_target.entry((reading.direction, reading.run)).or_insert(*reading);
+                if !std::ptr::eq(first, *reading) {
+                    self.table.notes.refuse_with(|| self.twice(first, reading));
+                }
             }
-        }
-        targets
+            (readings[0].target_mm, of_target)
+        });
+        targets.collect()
     }
 
     fn twice(&self, first: &Reading<'_>, second: &Reading<'_>) -> Problem {
