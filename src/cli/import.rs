@@ -4,7 +4,7 @@ use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
-use crate::inputs::import::{self, Imported, List, encoding_word, fill, squareness_lines};
+use crate::inputs::import::{self, Imported, Kind, List, encoding_word, fill, squareness_lines};
 use crate::kit::manifest::HashedFile;
 use crate::quantity::{Diagonal, Direction};
 use crate::text::{Finding, Named, Problems, Severity, Source, of_severity};
@@ -139,7 +139,8 @@ fn series_table(imported: &Imported, all: &[OfSeries]) -> String {
     let rows = imported.draft.series.iter().zip(all).map(|(series, of)| {
         let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
         let (from, to, travel) = (end(of.from_mm), end(of.to_mm), of.direction.unwrap_or("both"));
-        let has_u = series.uncertainties_um.iter().any(|(_, u)| u.is_some());
+        let is_deviation = |kind: &Kind| matches!(kind, Kind::Deviation(_));
+        let has_u = series.uncertainties.keys().any(is_deviation);
         let u = if has_u { "yes" } else { "not stated" };
         let (points, terms) = (of.points, of.terms.join(" "));
         format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)

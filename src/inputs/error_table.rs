@@ -68,7 +68,7 @@ impl ErrorTable {
     /// The heading under which the deviations of a term stand.
     pub(crate) fn heading(&self, term: ErrorTerm) -> Option<&Heading> {
         let mut series = self.series[term.along].iter();
-        let own = series.find(|series| series.deviations[term.of].is_some())?;
+        let own = series.find(|series| series.values.contains_key(&Kind::Deviation(term.of)))?;
         self.headings.get(own.table)?[term.of].as_ref()
     }
 
@@ -165,8 +165,7 @@ impl ErrorTable {
 
 /// Components of an axis that both series hold, e.g. `EXX`.
 fn shared(old: &Series, new: &Series) -> Vec<Component> {
-    let both = old.components().filter(|own| new.components().any(|other| other == *own));
-    both.collect()
+    old.components().filter(|own| new.values.contains_key(&own.kind)).collect()
 }
 
 // Writing an error table: rows in memory → the CSV of contract §2.1.
@@ -233,7 +232,6 @@ fn columns(draft: &Draft) -> Vec<Column> {
 mod tests {
     use super::*;
     use crate::inputs::error_table::ErrorTable;
-    use crate::quantity::Deviation;
     use crate::quantity::Millimetres;
     use crate::text::Source;
 
@@ -289,20 +287,16 @@ mod tests {
         Series::new(axis, direction, mm.iter().copied().map(Millimetres::new).collect())
     }
 
-    fn um(um: &[f64]) -> Option<Vec<Deviation>> {
-        Some(um.iter().copied().map(Deviation::from_um).collect())
-    }
-
     /// X in both directions with uncertainties, Z without direction and with an angle.
     fn draft() -> Draft {
         let mut plus = series(Axis::X, Some(Direction::Plus), &[-0.1, 1.0 / 3.0]);
-        plus.deviations.x = um(&[0.1 + 0.2, -0.0]);
-        plus.uncertainties_um.x = Some(vec![1e-7, 2.5]);
+        plus.values.insert(Kind::Deviation(Axis::X), vec![0.1 + 0.2, -0.0]);
+        plus.uncertainties.insert(Kind::Deviation(Axis::X), vec![1e-7, 2.5]);
         let mut minus = plus.clone();
         minus.direction = Some(Direction::Minus);
         let mut z = series(Axis::Z, None, &[-720.0, 1e-9]);
-        z.deviations.y = um(&[f64::MIN_POSITIVE, 123_456.789]);
-        z.angles_urad.z = Some(vec![1.0, -2.25]);
+        z.values.insert(Kind::Deviation(Axis::Y), vec![f64::MIN_POSITIVE, 123_456.789]);
+        z.values.insert(Kind::Angle(Axis::Z), vec![1.0, -2.25]);
         Draft { comments: vec!["first\nline ".to_string()], series: vec![z, plus, minus] }
     }
 
@@ -314,7 +308,7 @@ mod tests {
     #[test]
     fn only_what_was_measured_has_a_column() {
         let mut x = series(Axis::X, None, &[0.0, 30.0]);
-        x.deviations.y = um(&[0.0, -0.25]);
+        x.values.insert(Kind::Deviation(Axis::Y), vec![0.0, -0.25]);
         let draft = Draft { comments: vec!["made by hand".to_string()], series: vec![x] };
         let expected = "# made by hand\naxis,position_mm,ey_um\nx,0,0\nx,30,-0.25\n";
         assert_eq!(write(&draft), expected);

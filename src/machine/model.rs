@@ -22,7 +22,7 @@
 
 pub use self::measured::Measured;
 use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, measured_range};
-use crate::inputs::error_table::{Cause, ErrorTable, Heading, Remarks, Series, Sizes};
+use crate::inputs::error_table::{Cause, ErrorTable, Heading, Kind, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
@@ -250,12 +250,14 @@ impl ErrorModel {
 fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<MeasuredTerm> {
     let (between, machine) = (job.compensation.curve, job.machine.axes[term.along]?);
     let series = table.series(term.along).iter();
-    let measured: Vec<&Series> = series.filter(|s| s.deviations[term.of].is_some()).collect();
+    let of = Kind::Deviation(term.of);
+    let measured: Vec<&Series> = series.filter(|s| s.values.contains_key(&of)).collect();
     let homing = measured.iter().find(|s| s.direction == Some(machine.homing()));
     let zeroed = *homing.or(measured.first())?;
     let curve = |s: &Series| {
-        let deviations = s.deviations[term.of].as_ref()?;
-        Some(ErrorCurve::through(&s.positions, deviations, between))
+        let um = s.values.get(&of)?.iter().copied();
+        let deviations: Vec<Deviation> = um.map(Deviation::from_um).collect();
+        Some(ErrorCurve::through(&s.positions, &deviations, between))
     };
     let zero = curve(zeroed)?.at(machine.reference);
     let curves = measured.iter().filter_map(|s| Some((s.direction, curve(s)?.less(zero))));
@@ -287,7 +289,8 @@ fn points(
     let stated = job.measurement.uncertainty;
     let noise_um = beside_table(job, stated.noise_um);
     let laser_um_per_m = beside_table(job, stated.laser_ppm).filter(|_| term.is_positioning());
-    let column = measured.iter().any(|s| s.uncertainties_um[term.of].is_some());
+    let of = Kind::Deviation(term.of);
+    let column = measured.iter().any(|s| s.uncertainties.contains_key(&of));
     if !column && noise_um.is_none() && laser_um_per_m.is_none() {
         return Vec::new();
     }
@@ -295,7 +298,7 @@ fn points(
     let at_zero = nearest_um(zeroed, term, axis.reference).unwrap_or(0.0).hypot(noise_um);
     let mut points = Vec::new();
     for s in measured {
-        let column = s.uncertainties_um[term.of].as_ref();
+        let column = s.uncertainties.get(&of);
         for (row, at) in s.positions.iter().enumerate() {
             let from_zero = (*at - axis.reference).mm().abs();
             let own = column.and_then(|c| c.get(row)).copied().unwrap_or(0.0);
@@ -325,7 +328,7 @@ fn beside_table(job: &Job, stated: Option<f64>) -> Option<f64> {
 /// The column's u where the curve is zeroed, µm: of the row at the reference, else the larger of its
 /// neighbours.
 fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Option<f64> {
-    let column = series.uncertainties_um[term.of].as_ref()?;
+    let column = series.uncertainties.get(&Kind::Deviation(term.of))?;
     let places = &series.positions;
     let above = places.partition_point(|at| at.mm() < reference.mm() - AT_PLACE_MM);
     let is_there = places.get(above).is_some_and(|at| (*at - reference).mm() <= AT_PLACE_MM);

@@ -1,6 +1,7 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
 use crate::support::{Ran, Visit, error_table, positioning_ids, short_or};
 use nonius::control::controller::{Dialect, builtin};
+use nonius::inputs::error_table::Kind;
 use nonius::quantity::Axis;
 use std::mem::discriminant;
 
@@ -129,7 +130,7 @@ fn slopes(page: &str, ends: &[[f64; 2]; 3]) -> [f64; 3] {
         let at = |end: f64| {
             let values = table.series(axis).iter().map(|own| {
                 let place = own.positions.iter().position(|at| (at.mm() - end).abs() < 1e-6);
-                own.deviations[axis].as_ref().unwrap()[place.unwrap()].um()
+                own.values[&Kind::Deviation(axis)][place.unwrap()]
             });
             values.sum::<f64>() / table.series(axis).len() as f64
         };

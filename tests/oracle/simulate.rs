@@ -2,6 +2,7 @@
 //! same machine, and what `separate` takes apart again.
 use crate::support::diagonals::{Machine, measurement, mm, seeded, volume};
 use crate::support::{self, error_table, inputs, shown};
+use nonius::inputs::error_table::Kind;
 use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::kit::simulate::{
@@ -251,9 +252,9 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
             for of in Axis::ALL {
                 let term = ErrorTerm { of, along };
                 let lost = if is_back && of == along { machine.lost_um[along] } else { 0.0 };
-                let left = series.deviations[of].as_ref().unwrap();
+                let left = &series.values[&Kind::Deviation(of)];
                 for (found, wanted) in left.iter().zip(&machine.curves[term]) {
-                    assert!((found.um() - wanted + lost).abs() < 2e-9, "{term}");
+                    assert!((found - wanted + lost).abs() < 2e-9, "{term}");
                 }
             }
         }

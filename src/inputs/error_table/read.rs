@@ -4,7 +4,7 @@
 use crate::inputs::kind::{Component, Kind};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Row, Table, Unit, named};
-use crate::quantity::{Axis, Deviation, Direction, Millimetres, PerAxis, URAD_PER_ARCSEC};
+use crate::quantity::{Axis, Direction, Millimetres, PerAxis, URAD_PER_ARCSEC};
 use crate::text::{Line, Notes, Place, Problems, Source};
 use std::collections::BTreeMap;
 
@@ -144,14 +144,11 @@ pub struct Series {
     pub direction: Option<Direction>,
     /// Machine coordinates, strictly ascending.
     pub positions: Vec<Millimetres>,
-    /// Deviations in X, Y, Z, one for each position; `None` = not measured.
-    pub deviations: PerAxis<Option<Vec<Deviation>>>,
-    /// Standard uncertainties (k = 1) of the deviations, µm.
-    pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
-    /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
-    pub angles_urad: PerAxis<Option<Vec<f64>>>,
-    /// Standard uncertainties (k = 1) of the rotations, µrad.
-    pub angle_uncertainties_urad: PerAxis<Option<Vec<f64>>>,
+    /// What was measured, one value for each position: deviations, µm, actual − commanded; rotations, µrad,
+    /// right-handed.
+    pub values: BTreeMap<Kind, Vec<f64>>,
+    /// Standard uncertainties (k = 1) of the values.
+    pub uncertainties: BTreeMap<Kind, Vec<f64>>,
     pub(super) lines: Vec<usize>,
     /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
     pub(super) table: usize,
@@ -164,10 +161,8 @@ impl Series {
             axis,
             direction,
             positions,
-            deviations: PerAxis::default(),
-            uncertainties_um: PerAxis::default(),
-            angles_urad: PerAxis::default(),
-            angle_uncertainties_urad: PerAxis::default(),
+            values: BTreeMap::new(),
+            uncertainties: BTreeMap::new(),
             lines: Vec::new(),
             table: 0,
         }
@@ -180,12 +175,7 @@ impl Series {
 
     /// What was measured, e.g. `EXX` and `EAX`.
     pub(crate) fn components(&self) -> impl Iterator<Item = Component> {
-        let is_measured = |kind: &Kind| match *kind {
-            Kind::Deviation(of) => self.deviations[of].is_some(),
-            Kind::Angle(about) => self.angles_urad[about].is_some(),
-        };
-        let kinds = Kind::ALL.into_iter().filter(is_measured);
-        kinds.map(|kind| Component { kind, along: self.axis })
+        self.values.keys().map(|kind| Component { kind: *kind, along: self.axis })
     }
 
     /// Fills in a column of numbers, mm, µm or µrad.
@@ -194,15 +184,8 @@ impl Series {
             Content::Position => {
                 self.positions = values.into_iter().map(Millimetres::new).collect();
             }
-            Content::Value(Kind::Deviation(of)) => {
-                let um = values.into_iter().map(Deviation::from_um);
-                self.deviations[of] = Some(um.collect());
-            }
-            Content::Value(Kind::Angle(about)) => self.angles_urad[about] = Some(values),
-            Content::Uncertainty(Kind::Deviation(of)) => self.uncertainties_um[of] = Some(values),
-            Content::Uncertainty(Kind::Angle(about)) => {
-                self.angle_uncertainties_urad[about] = Some(values);
-            }
+            Content::Value(kind) => _ = self.values.insert(kind, values),
+            Content::Uncertainty(kind) => _ = self.uncertainties.insert(kind, values),
             _ => {}
         }
     }
@@ -211,15 +194,11 @@ impl Series {
     pub(super) fn number(&self, holds: Content, row: usize) -> Option<f64> {
         let column = match holds {
             Content::Position => return self.positions.get(row).map(|position| position.mm()),
-            Content::Value(Kind::Deviation(of)) => {
-                return Some(self.deviations[of].as_ref()?.get(row)?.um());
-            }
-            Content::Value(Kind::Angle(about)) => &self.angles_urad[about],
-            Content::Uncertainty(Kind::Deviation(of)) => &self.uncertainties_um[of],
-            Content::Uncertainty(Kind::Angle(about)) => &self.angle_uncertainties_urad[about],
-            _ => return None,
+            Content::Value(kind) => self.values.get(&kind),
+            Content::Uncertainty(kind) => self.uncertainties.get(&kind),
+            _ => None,
         };
-        column.as_ref()?.get(row).copied()
+        column?.get(row).copied()
     }
 }
 

@@ -146,11 +146,6 @@ impl Placing {
         self.ascending(um.iter().map(of_target).collect())
     }
 
-    /// Uncertainties in the order of the machine; they have no sign.
-    pub(super) fn uncertainties(&self, um: &[f64]) -> Vec<f64> {
-        self.ascending(um.iter().map(|um| tidy(*um)).collect())
-    }
-
     /// Puts the mean of the runs into a series, and of a deviation its uncertainty: one u for all targets,
     /// from their scatter together. That of a single one is known too badly, and two equal readings at a
     /// target do not make it exact.
@@ -166,9 +161,10 @@ impl Placing {
         let deviations = self.deviations(&of_targets, component, sign);
         series.put(Content::Value(component.kind), deviations);
         let scatter: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
-        if let (Kind::Deviation(of), Some(u)) = (component.kind, scatter) {
-            let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / float(u.len());
-            series.uncertainties_um[of] = Some(vec![tidy(mean_square.sqrt()); u.len()]);
+        if let (Kind::Deviation(_), Some(u)) = (component.kind, scatter) {
+            let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / u.len() as f64;
+            let u = vec![tidy(mean_square.sqrt()); u.len()];
+            series.put(Content::Uncertainty(component.kind), u);
         }
     }
 
@@ -204,16 +200,12 @@ pub(super) fn freedom(targets: usize, runs: usize) -> Option<ImportFinding> {
     (degrees > 0).then_some(ImportFinding::Freedom { degrees })
 }
 
-fn float(count: usize) -> f64 {
-    count as f64
-}
-
 /// For each target the mean of the runs, and with two runs or more its standard uncertainty s/√n.
 pub(super) fn means(runs: &[Vec<f64>]) -> Vec<(f64, Option<f64>)> {
     let targets = runs.first().map_or(0, Vec::len);
     let of_target = |target: usize| {
         let values: Vec<f64> = runs.iter().map(|run| run[target]).collect();
-        let count = float(values.len());
+        let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let squares = values.iter().map(|value| (value - mean).squared());
         let variance = squares.sum::<f64>() / (count - 1.0) / count;
@@ -234,8 +226,8 @@ pub(super) fn unlikely_reversals(series: &[Series]) -> Vec<ImportFinding> {
     let mean_um = |axis: Axis, direction: Direction| {
         let mut of_axis = series.iter().filter(|s| s.axis == axis);
         let series = of_axis.find(|s| s.direction == Some(direction))?;
-        let values = series.deviations[axis].as_ref()?;
-        Some(values.iter().map(|value| value.um()).sum::<f64>() / float(values.len()))
+        let values = series.values.get(&Kind::Deviation(axis))?;
+        Some(values.iter().sum::<f64>() / values.len() as f64)
     };
     let of = |axis: Axis| {
         let um = mean_um(axis, Direction::Plus)? - mean_um(axis, Direction::Minus)?;
@@ -319,8 +311,8 @@ impl<'a, 'b> Group<'a, 'b> {
                     placing.put(&mut series, Component { kind, along: self.axis }, sign, &values);
                 }
                 _ => {
-                    let u: Vec<f64> = means(&values).iter().map(|(mean, _)| *mean).collect();
-                    series.put(*quantity, placing.uncertainties(&u));
+                    let u = means(&values).iter().map(|(mean, _)| tidy(*mean)).collect();
+                    series.put(*quantity, placing.ascending(u));
                 }
             }
         }

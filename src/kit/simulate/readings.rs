@@ -2,7 +2,7 @@
 //! or an error table at the positions where each error was measured.
 
 use super::{Noise, Rehearsal, SIMULATED, SimulatedMachine, written};
-use crate::inputs::error_table::{Draft, Series};
+use crate::inputs::error_table::{Draft, Kind, Series};
 use crate::inputs::job::{DiagonalMeasurement, MeasuredData};
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
@@ -266,16 +266,18 @@ impl SimulatedMachine<'_> {
         let positions = self.positions(axis);
         let moving = direction.unwrap_or(Direction::Plus);
         let mut series = Series::new(axis, direction, positions.clone());
-        series.deviations = PerAxis::from_fn(|of| {
+        for of in Axis::ALL {
             let term = ErrorTerm { of, along: axis };
             let at = |position: &Millimetres| self.left_um(term, moving, *position);
-            let left: Option<Vec<f64>> = positions.iter().map(at).collect();
-            Some(left?.into_iter().map(|um| Deviation::from_um(written(um + off_um()))).collect())
-        });
+            let Some(left) = positions.iter().map(at).collect::<Option<Vec<f64>>>() else {
+                continue;
+            };
+            let um = left.into_iter().map(|um| written(um + off_um())).collect();
+            series.values.insert(Kind::Deviation(of), um);
+        }
         if column_um > 0.0 {
-            let stated = |known: &Vec<Deviation>| vec![column_um; known.len()];
-            series.uncertainties_um =
-                PerAxis::from_fn(|of| series.deviations[of].as_ref().map(stated));
+            let stated = series.values.iter().map(|(of, um)| (*of, vec![column_um; um.len()]));
+            series.uncertainties = stated.collect();
         }
         series
     }

@@ -1,7 +1,7 @@
 //! A visit after an earlier one: its job and its tables once more, without what belonged to that day.
 
 use super::{Begun, COMMENTS, error_table, quoted, table_name};
-use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{ActiveTables, Job, Linear, LinearSlope, UseOf};
 use crate::quantity::{Axis, Plane};
 use crate::text::{Problem, Problems, Source, header_and_rows, line};
@@ -199,7 +199,8 @@ fn file_name(path: &str) -> String {
 /// The measured positions of a table, without values.
 fn positions(table: &ErrorTable) -> String {
     let all = || Axis::ALL.into_iter().flat_map(|axis| table.series(axis));
-    let has_angles = |series: &Series| series.angles_urad.iter().any(|(_, of)| of.is_some());
+    let is_angle = |kind: &Kind| matches!(kind, Kind::Angle(_));
+    let has_angles = |series: &Series| series.values.keys().any(is_angle);
     let are_directed = all().any(|series| series.direction.is_some());
     error_table(all().any(has_angles), are_directed, |axis, way| {
         let own = table.series(axis).iter().filter(|series| series.direction == way);

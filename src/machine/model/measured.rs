@@ -1,7 +1,7 @@
 //! How a term was measured, and whether its places fit the machine.
 //! The nine angular errors: columns `ea_…`, `eb_…`, `ec_…` of the error table, or a table of their own.
 
-use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{Job, MachineAxis};
 use crate::machine::findings::{ModelFinding, two_digits};
 use crate::quantity::{
@@ -176,7 +176,7 @@ pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measure
     // Rotations stand in the places of the terms.
     PerTerm::from_fn(|ErrorTerm { of: about, along }| {
         let curves = table.series(along).iter().filter_map(|series| {
-            let angles = series.angles_urad[about].as_ref()?;
+            let angles = series.values.get(&Kind::Angle(about))?;
             let angles: Vec<Deviation> = angles.iter().copied().map(Deviation::from_um).collect();
             let curve = ErrorCurve::through(&series.positions, &angles, job.compensation.curve);
             let zero_at = job.measurement.levers.angles_zero[along];
@@ -233,7 +233,7 @@ pub(super) fn added(
 
 /// Whether rows hold an angle.
 pub(in crate::machine) fn has_angles(series: &Series) -> bool {
-    series.angles_urad.iter().any(|(_, angles)| angles.is_some())
+    series.values.keys().any(|kind| matches!(kind, Kind::Angle(_)))
 }
 
 /// The problem of a table without any.
@@ -251,7 +251,8 @@ pub(super) fn not_compensated(table: &ErrorTable) -> Option<Finding> {
 
 /// What a table of `angles` holds that nobody reads.
 pub(super) fn deviations_beside(table: &ErrorTable) -> Option<Finding> {
-    let has_deviations = |s: &Series| s.deviations.iter().any(|(_, d)| d.is_some());
+    let is_deviation = |kind: &Kind| matches!(kind, Kind::Deviation(_));
+    let has_deviations = |s: &Series| s.values.keys().any(is_deviation);
     let file = || ModelFinding::DeviationsBeside { file: table.source.name.clone() };
     holds(table, has_deviations).then(|| file().into())
 }

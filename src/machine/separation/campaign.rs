@@ -7,7 +7,7 @@ use super::linear::{Layout, Row};
 use super::readings::{
     ENOUGH, Group, Noise, NoiseSource, Outlier, Walk, float, pass_of, repeats, walks,
 };
-use crate::inputs::error_table::{Cause, ErrorTable, Silence};
+use crate::inputs::error_table::{Cause, ErrorTable, Kind, Silence};
 use crate::inputs::job::{
     Beam, DiagonalMeasurement, Job, Linear, LinearSlope, Material, SetUp, StatedUncertainty,
 };
@@ -372,14 +372,14 @@ fn over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<Vec<Way>,
     let words = (format!("E{axis}{axis} is"), "the axis");
     let mut ways = Vec::new();
     for series in table.series(axis) {
-        let Some(values) = &series.deviations[axis] else { continue };
+        let own = Kind::Deviation(axis);
+        let Some(um) = series.values.get(&own) else { continue };
         if let Some(problem) = falls_short(table, series, (volume, axis), &words) {
             return Err(problem.into());
         }
-        let um: Vec<f64> = values.iter().map(|value| value.um()).collect();
         let here = |node: &Millimetres, um: &[f64]| at(&series.positions, um, node.mm());
-        let u_um = series.uncertainties_um[axis].as_ref();
-        let of = |node| Estimate { um: here(node, &um), u_um: u_um.map(|u| here(node, u)) };
+        let u_um = series.uncertainties.get(&own);
+        let of = |node| Estimate { um: here(node, um), u_um: u_um.map(|u| here(node, u)) };
         ways.push((series.direction, volume.positions(axis).iter().map(of).collect()));
     }
     if ways.is_empty() {

@@ -2,7 +2,7 @@
 //! effects of angular errors. The raw readings stay as they are.
 
 use super::curves::{at, mean};
-use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{AxisMaterial, DiagonalMeasurement, Levers, Material, Reflector};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
@@ -94,7 +94,7 @@ fn rotation(
     let series = directed.or_else(|| all.first());
     PerAxis::from_fn(|about| {
         let urad =
-            |s: &Series, place| Some(at(&s.positions, s.angles_urad[about].as_ref()?, place));
+            |s: &Series, place| Some(at(&s.positions, s.values.get(&Kind::Angle(about))?, place));
         let zero = levers.angles_zero[axis]
             .map_or(0.0, |zero| mean(all.iter().filter_map(|s| urad(s, zero.mm()))));
         series.and_then(|s| urad(s, position)).map_or(0.0, |urad| urad - zero)
@@ -163,11 +163,11 @@ impl AngleEffects {
         // Known in every direction that the table has.
         let is_missing = |of: &Rotation| {
             let all = table.series(of.along);
-            all.is_empty() || all.iter().any(|s| s.angles_urad[of.about].is_none())
+            all.is_empty() || !all.iter().all(|s| s.values.contains_key(&Kind::Angle(of.about)))
         };
         let uncertain = Rotation::all().filter_map(|rotation| {
             let all = table.series(rotation.along).iter();
-            let known = all.filter_map(|s| s.angle_uncertainties_urad[rotation.about].as_ref());
+            let known = all.filter_map(|s| s.uncertainties.get(&Kind::Angle(rotation.about)));
             Some((rotation, known.flatten().copied().reduce(f64::max).filter(|u| *u > 0.0)?))
         });
         let change = |axis: Axis| {

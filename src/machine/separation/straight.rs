@@ -23,7 +23,7 @@ use super::labels;
 use super::linear::Row;
 use super::metric::{Agreement, Equation, Equations, Metric};
 use super::readings::{self, Noise, Outlier, Walk, float};
-use crate::inputs::error_table::{ErrorTable, Silence};
+use crate::inputs::error_table::{ErrorTable, Kind, Silence};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
 use crate::text::{Finding, Problem, Problems};
@@ -194,9 +194,8 @@ fn predicted(volume: &Volume, table: &ErrorTable, walk: &Walk) -> Result<Vec<Pre
             let series =
                 series.iter().find(|s| s.direction == direction).or_else(|| series.first())?;
             let here = |um: &[f64]| u[of] * at(&series.positions, um, place[along].mm());
-            let values = series.deviations[of].as_ref()?.iter().map(|value| value.um());
-            let stated = series.uncertainties_um[of].as_ref();
-            all.0 += here(&values.collect::<Vec<f64>>());
+            let stated = series.uncertainties.get(&Kind::Deviation(of));
+            all.0 += here(series.values.get(&Kind::Deviation(of))?);
             all.1 = all.1.zip(stated).map(|(sum, stated)| sum + here(stated).squared());
         }
         Some(all)

@@ -3,10 +3,11 @@
 use super::Separation;
 use super::joint::{Table, directions};
 use super::readings::Noise;
-use crate::inputs::error_table::{self, Draft, ErrorTable, Remarks, Series};
+use super::solved::SeparatedError;
+use crate::inputs::error_table::{self, Draft, ErrorTable, Kind, Remarks, Series};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::findings::SeparationFinding;
-use crate::quantity::{Axis, Deviation, Direction, ErrorTerm, Millimetres, PerAxis, rounded};
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis, rounded};
 use crate::text::{Finding, Problem, Problems, Source, joined};
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -97,14 +98,13 @@ pub fn remarks(separation: &Separation) -> Remarks {
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> Series {
     let positions = separation.volume.positions(axis);
     let mut series = Series::new(axis, direction, positions);
-    let evidence =
-        PerAxis::from_fn(|of| separation.of_table(ErrorTerm { of, along: axis }, direction));
-    series.deviations = PerAxis::from_fn(|of| {
-        let um = written(&evidence[of]?.deviation_um).into_iter();
-        Some(um.map(Deviation::from_um).collect())
-    });
-    series.uncertainties_um =
-        PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um().as_deref().map(written)));
+    for of in Axis::ALL {
+        let found = separation.of_table(ErrorTerm { of, along: axis }, direction);
+        let of = Kind::Deviation(of);
+        series.values.extend(found.map(|found| (of, written(&found.deviation_um))));
+        let u_um = found.and_then(SeparatedError::u_um);
+        series.uncertainties.extend(u_um.map(|u_um| (of, written(&u_um))));
+    }
     series
 }
 
