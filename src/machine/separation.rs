@@ -173,10 +173,11 @@ impl Separation {
 /// Separates a complete measurement of step diagonals.
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let mut start = Start::new(campaign, raw_runs);
-    let (mut found, patterns) = of_start(&mut start);
-    // What remains to be said: the names of the diagonals, noise, lines and reversals.
-    let recorded = patterns.map(|patterns| (&found.closure, &found.model, patterns));
+    let (closure, patterns) = judged(&mut start);
+    let recorded = patterns.map(|patterns| (&closure, patterns));
     let names = recorded.and_then(|recorded| names(&start, raw_runs, recorded));
+    let mut found = evaluated(start, closure);
+    // What remains to be said: noise, lines and reversals, the names of the diagonals.
     let turn = found.turn.iter().flat_map(|turn| contradictions(turn, &campaign.reversals));
     found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
     match names {
@@ -186,21 +187,18 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     found
 }
 
-/// What the runs say together: whether the axes ran past the end point, σ that counts, and what follows from them.
-fn of_start(start: &mut Start<'_>) -> (Separation, Option<Patterns>) {
+/// What the runs say together: whether the axes ran past the end point, σ that counts. Their closure.
+fn judged(start: &mut Start<'_>) -> (Closure, Option<Patterns>) {
     start.overrun = overrun(start);
-    let model = start.model();
-    let (closure, patterns) = closure(start, Some(&model));
-    start.noise = noise_of(start, &closure);
-    let mut separation = evaluated(start, closure, model);
-    separation.labels.extend(of_noise(start).map(Finding::from));
-    (separation, patterns)
+    let (closure, patterns) = closure(start);
+    start.set_noise(noise_of(start, &closure));
+    (closure, patterns)
 }
 
 /// Whether the axes ran past the end point: as stated, else as the readings tell.
 fn overrun(start: &Start<'_>) -> Option<bool> {
     let (campaign, backs) = (start.campaign, start.both_ways());
-    let noise = || start.known.or_else(|| closure(start, None).0.noise());
+    let noise = || start.known.or_else(|| closure(start).0.noise());
     let judged = || ran_over(start, campaign.reverse_zero_known.then(noise)??);
     backs.then(|| campaign.measurement.overrun.or_else(judged))?
 }
@@ -219,7 +217,7 @@ fn noise_of(start: &Start<'_>, closure: &Closure) -> Option<Noise> {
 
 /// What speaks against the noise of repeated runs, and against the stated one.
 fn of_noise(start: &Start<'_>) -> impl Iterator<Item = SeparationFinding> {
-    let found = start.noise.filter(|noise| noise.source != NoiseSource::Stated);
+    let found = start.model.noise.filter(|noise| noise.source != NoiseSource::Stated);
     let repeated = start.known.filter(|noise| noise.source == NoiseSource::Repeats);
     let scatter = found.zip(repeated).filter(|(found, repeated)| found.source != repeated.source);
     let scatter = scatter.map(|(found, repeated)| {
@@ -236,41 +234,43 @@ fn of_noise(start: &Start<'_>) -> impl Iterator<Item = SeparationFinding> {
 /// Disturbed readings; ramps of the closure beyond noise and stated angles; equations that contradict each other.
 fn anomalies(
     start: &Start<'_>,
-    model: &Model,
     closure: &Closure,
     agreement: Option<&Agreement>,
 ) -> Vec<Vec<Vec<f64>>> {
+    let layout = start.model.layout;
     let single = |place: usize, size: f64| {
-        let mut column = vec![0.0; model.layout.len()];
+        let mut column = vec![0.0; layout.len()];
         column[place] = size;
         column
     };
-    let place = |of: &ReadingPlace| model.layout.reading(of.pass, of.diagonal, of.node);
+    let place = |of: &ReadingPlace| layout.reading(of.pass, of.diagonal, of.node);
     let disturbed = closure.outliers.iter().map(|outlier| {
         let places = outlier.readings.iter().map(place);
         places.map(|place| single(place, outlier.of_mean_um)).collect()
     });
     let roll = closure.ramps.iter().filter(|ramps| ramps.roll);
-    let roll = roll.flat_map(|ramps| rolls(start, model.layout, &ramps.beyond_um));
+    let roll = roll.flat_map(|ramps| rolls(start, &ramps.beyond_um));
     let refuted = agreement.filter(|agreement| agreement.contradiction.is_some());
     let refuted = refuted.map(|agreement| {
         let by = agreement.false_by_um_per_m.iter().enumerate().filter(|(_, by)| **by > 0.0);
-        by.map(|(index, by)| single(model.layout.neglected(index), *by)).collect()
+        by.map(|(index, by)| single(layout.neglected(index), *by)).collect()
     });
     disturbed.chain(roll).chain(refuted).collect()
 }
 
 /// What readings say.
-fn evaluated(start: &Start<'_>, closure: Closure, model: Model) -> Separation {
-    let (campaign, noise) = (start.campaign, start.noise);
+fn evaluated(start: Start<'_>, closure: Closure) -> Separation {
+    let (campaign, noise) = (start.campaign, start.model.noise);
     let (measurement, turned) = (campaign.measurement, start.turned());
-    let mut solved = Solved::new(start, model);
+    let of_noise: Vec<_> = of_noise(&start).map(Finding::from).collect();
+    let mut solved = Solved::new(start);
     let agreement = solved.judged();
     let turn = turned.then(|| solved.turn()).flatten();
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
     let apart = solved.apart(turn.as_ref(), &reversals);
     let errors = solved.errors(&apart);
-    let anomalies = anomalies(start, &solved.model, &closure, agreement.as_ref());
+    let start = &solved.start;
+    let anomalies = anomalies(start, &closure, agreement.as_ref());
     let labels = labels::of_steps(start, turn.as_ref())
         .chain(labels::of_reversals(&reversals, !start.both_ways()))
         .chain(solved.labels(agreement.is_some()));
@@ -284,6 +284,7 @@ fn evaluated(start: &Start<'_>, closure: Closure, model: Model) -> Separation {
         .chain(contradiction)
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
+    labels.extend(of_noise);
     let hides = start.overrun == Some(true) && campaign.reverse_zero_known;
     let hidden = hides.then(|| hidden_reversal_um(start, &reversals));
     Separation {
@@ -300,17 +301,17 @@ fn evaluated(start: &Start<'_>, closure: Closure, model: Model) -> Separation {
         labels,
         agreement,
         errors,
-        model: solved.model,
         closure,
         noise,
         end_um: solved.ends_um,
-        overrun: start.overrun,
         turn,
         hidden_reversal_um: hidden.flatten(),
         linear_reversals: reversals,
         metric: solved.metric,
-        runs: start.runs.clone(),
         zeroed_runs: start.zeroed_runs(),
+        overrun: start.overrun,
+        runs: solved.start.runs,
+        model: solved.start.model,
     }
 }
 
@@ -339,7 +340,8 @@ pub(crate) fn expected(
     start.known = start.known.map(|noise| Noise { sigma_um: noise_um, ..noise });
     start.expected_um = Some(noise_um);
     start.change_um.clone_from(change_um);
-    of_start(&mut start).0
+    let (closure, _) = judged(&mut start);
+    evaluated(start, closure)
 }
 
 /// What a laser does wherever it measures.

@@ -3,10 +3,11 @@
 
 use super::corrections::{AngleEffects, expansion_um, falls_short, recorded};
 use super::curves::{at, closure_sign, mean, noise_gain};
-use super::linear::{Layout, Row};
+use super::linear::{Layout, Model, Row};
 use super::readings::{
-    ENOUGH, Group, Noise, NoiseSource, Outlier, Walk, float, pass_of, repeats, walks,
+    ENOUGH, Group, Noise, NoiseSource, Outlier, float, means, pass_of, repeats, walks,
 };
+use super::uncertainty::model;
 use crate::inputs::error_table::{Cause, ErrorTable, Kind, Silence};
 use crate::inputs::job::{
     Beam, DiagonalMeasurement, Job, Linear, LinearSlope, Material, SetUp, StatedUncertainty,
@@ -14,7 +15,7 @@ use crate::inputs::job::{
 use crate::machine::model::measured::{check_zeros, has_angles, no_angles};
 use crate::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, PerTerm,
-    Run, Volume, unit,
+    Run, Squared, Volume, unit,
 };
 use crate::text::{Problem, Problems};
 use serde::Serialize;
@@ -99,14 +100,16 @@ pub(super) struct Start<'a> {
     pub(super) material: Option<Material>,
     /// The corrected runs.
     pub(super) runs: Vec<Run>,
-    /// Their means; jumps of a turn are still in them.
-    pub(super) walks: Vec<Walk>,
+    /// What is uncertain of what is measured; the noise that counts, where it is known by now.
+    pub(super) model: Model,
+    /// z: means of the runs, in which jumps of a turn still are, then lines, then 0.
+    pub(super) z: Vec<f64>,
+    /// How many runs each of these means is of.
+    pub(super) counts: Vec<f64>,
     /// Disturbed readings of single runs.
     pub(super) outliers: Vec<Outlier>,
     /// σ of a reading where repeats or the job give it.
     pub(super) known: Option<Noise>,
-    /// σ that counts; `None` = not known, or not yet.
-    pub(super) noise: Option<Noise>,
     /// σ of a measurement that is still to be made, where the closure would tell it, µm.
     pub(super) expected_um: Option<f64>,
     /// By how much reversals are known to change along their axes from elsewhere, µm.
@@ -129,13 +132,24 @@ impl<'a> Start<'a> {
         material: Option<Material>,
     ) -> Start<'a> {
         let (noise, outliers) = repeats(&runs);
+        let (walks, lines) = (walks(&runs), campaign.lines.iter());
+        let layout = Layout {
+            nodes: walks.first().map_or(0, |walk| walk.um.len()),
+            passes: walks.len() / Diagonal::ALL.len(),
+            lines: lines.len(),
+            apart: 0,
+        };
+        let (mut z, counts) = means(walks);
+        z.extend(lines.map(|line| line.slope_um_per_m));
+        z.resize(layout.len(), 0.0);
         Start {
             campaign,
+            model: model(campaign, material, layout),
             material,
-            walks: walks(&runs),
+            z,
+            counts,
             outliers,
             known: known_noise(campaign, noise),
-            noise: None,
             expected_um: None,
             change_um: PerTerm::from_fn(|_| 0.0),
             overrun: None,
@@ -148,27 +162,6 @@ impl<'a> Start<'a> {
         &self.campaign.measurement.volume
     }
 
-    /// What is measured.
-    pub(super) fn layout(&self) -> Layout {
-        let nodes = self.walks.first().map_or(0, |walk| walk.um.len());
-        let passes = self.walks.len() / Diagonal::ALL.len();
-        Layout { nodes, passes, lines: self.campaign.lines.len(), apart: 0 }
-    }
-
-    /// z: mean readings, then lines.
-    pub(super) fn measured(&self) -> Vec<f64> {
-        let readings = self.walks.iter().flat_map(|walk| &walk.um).copied();
-        let lines = self.campaign.lines.iter().map(|line| line.slope_um_per_m);
-        let mut z: Vec<f64> = readings.chain(lines).collect();
-        z.resize(self.layout().len(), 0.0);
-        z
-    }
-
-    /// How many runs each of them is the mean of.
-    pub(super) fn counts(&self) -> Vec<f64> {
-        self.walks.iter().flat_map(|walk| walk.um.iter().map(|_| walk.runs)).collect()
-    }
-
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
     pub(super) fn zeroed_runs(&self) -> Vec<Run> {
         let is_known = self.campaign.reverse_zero_known;
@@ -176,9 +169,22 @@ impl<'a> Start<'a> {
         zeroed.cloned().collect()
     }
 
+    /// Lets this noise count.
+    pub(super) fn set_noise(&mut self, noise: Option<Noise>) {
+        let square = noise.map_or(0.0, |noise| noise.sigma_um.squared());
+        self.model.own.iter_mut().zip(&self.counts).for_each(|(own, runs)| *own = square / runs);
+        self.model.noise = noise;
+    }
+
+    /// One more entry of what was measured: its place.
+    pub(super) fn add(&mut self, um: f64, u_um: f64) -> usize {
+        self.z.push(um);
+        self.model.add(u_um)
+    }
+
     /// Whether every diagonal was walked in both directions.
     pub(super) fn both_ways(&self) -> bool {
-        self.layout().passes == 2
+        self.model.layout.passes == 2
     }
 
     /// Whether the axes turned without overrun, so that jumps are taken off the reverse passes.
@@ -199,7 +205,7 @@ impl Start<'_> {
 
     /// The reading of a pass at the far end of a step less that at the near one.
     pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Row {
-        let far = self.layout().reading(pass, d, self.volume().node_after(axis, step));
+        let far = self.model.layout.reading(pass, d, self.volume().node_after(axis, step));
         Row(vec![(far, 1.0), (far - 1, -1.0)])
     }
 

@@ -19,13 +19,13 @@
 
 use super::campaign::Start;
 use super::curves::{mean, noise_gain};
-use super::linear::{Banded, Cause, Layout, Model, Row};
+use super::linear::{Banded, Layout, Model, Row};
 use super::readings::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, NoiseSource, Outlier,
-    ReadingPlace, UNRESOLVED_UM, chance_of, float, pass_of, stands_out, student, tails,
+    ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out, student, tails,
 };
 use crate::machine::findings::SeparationFinding as Found;
-use crate::quantity::{Axis, Diagonal, PerAxis, Squared, Volume};
+use crate::quantity::{Axis, PerAxis, Squared, Volume};
 use crate::text::Finding;
 use nalgebra::{DVector, Matrix3, Vector3};
 use serde::Serialize;
@@ -146,17 +146,19 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
     (chance_of(square, freedom, None)? < FALSE_DOUBT).then(|| doubt.into())
 }
 
-/// The closure of mean readings, without the first and last intervals where a missing overrun spoils them; `causes`:
-/// what stated angles do to the readings. And its least-squares problem; `None` where that is singular.
-pub(super) fn closure(start: &Start<'_>, causes: Option<&Model>) -> (Closure, Option<Patterns>) {
-    let z = start.measured();
-    let w = |axis, at| start.mean(|group| start.closure(group, axis, at)).dot(&z);
+/// The closure of mean readings, without the first and last intervals where a missing overrun spoils them. And its
+/// least-squares problem; `None` where that is singular.
+pub(super) fn closure(start: &Start<'_>) -> (Closure, Option<Patterns>) {
+    let steps = start.volume().steps;
+    let w = |axis, at| start.mean(|group| start.closure(group, axis, at));
     let by_interval: PerAxis<Vec<f64>> =
-        PerAxis::from_fn(|axis| (0..start.volume().steps).map(|at| w(axis, at)).collect());
+        PerAxis::from_fn(|axis| (0..steps).map(|at| w(axis, at).dot(&start.z)).collect());
+    let variance = |(place, weight): &(usize, f64)| weight.squared() / start.counts[*place];
+    let scatter = |axis| w(axis, steps / 2).merged().0.iter().map(variance).sum::<f64>().sqrt();
     let mut closure = Closure {
         mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
         by_interval,
-        scatter: PerAxis::from_fn(|axis| scatter(start, axis)),
+        scatter: PerAxis::from_fn(scatter),
         ramps: None,
         weighted_square: 0.0,
         freedom: 0,
@@ -166,21 +168,12 @@ pub(super) fn closure(start: &Start<'_>, causes: Option<&Model>) -> (Closure, Op
         return (closure, None);
     };
     closure.outliers.extend(patterns.name_outliers(start.known.map(|noise| noise.sigma_um)));
-    closure.ramps = patterns.ramps(start.known, causes);
+    closure.ramps = patterns.ramps(start.known, &start.model);
     if closure.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
         patterns.leave_out(patterns.ramps.clone());
     }
     (closure.weighted_square, closure.freedom) = patterns.scatter();
     (closure, Some(patterns))
-}
-
-/// Standard deviation of one w, mean of the groups, for readings of 1 µm.
-fn scatter(start: &Start<'_>, axis: Axis) -> f64 {
-    let (groups, counts) = (start.groups(), start.counts());
-    let walks =
-        groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
-    let variances = walks.map(|(d, pass)| 2.0 / counts[start.layout().reading(pass, d, 0)]);
-    variances.sum::<f64>().sqrt() / float(groups.len())
 }
 
 // All w in one least-squares problem, and the patterns in them that are no noise: w = K z, with rows as in `linear`; what
@@ -242,7 +235,7 @@ impl Patterns {
     /// With nothing left out but the constants of the axes and the disturbed readings of single runs; `None` where C
     /// is singular.
     pub(super) fn new(start: &Start<'_>) -> Option<Patterns> {
-        let (layout, last) = (start.layout(), start.volume().steps - 1);
+        let (layout, last) = (start.model.layout, start.volume().steps - 1);
         // What the first and last intervals close to is spoilt by a missing overrun.
         let skips_ends = start.both_ways() && start.overrun != Some(true);
         // Those that share readings stand close to each other: diagonals that travel an axis in − cross its intervals
@@ -263,7 +256,7 @@ impl Patterns {
         }
         let ends = effects.iter().filter_map(|effect| effect.first().zip(effect.last()));
         let reach = ends.map(|((first, _), (last, _))| last - first).max().unwrap_or(0);
-        let weighed = effects.iter().zip(start.counts());
+        let weighed = effects.iter().zip(&start.counts);
         let products = weighed.flat_map(|(effect, count)| {
             let row = effect.iter().flat_map(|one| effect.iter().map(move |other| (*one, *other)));
             row.map(move |((row, a), (column, b))| (row, column, a * b * (1.0 / count)))
@@ -279,7 +272,7 @@ impl Patterns {
         let middle = float(last) / 2.0;
         let ramps = over(&|at| (at - middle) / (2.0 * middle).max(1.0));
         let constants = over(&|_| 1.0);
-        let w = of_column(&rows, &start.measured());
+        let w = of_column(&rows, &start.z);
         let (basis, left) = (Vec::new(), factor.solve(&w));
         let mut patterns =
             Patterns { layout, rows, w, factor, ramps, effects, basis, constants: 0, left };
@@ -322,11 +315,11 @@ impl Patterns {
     }
 
     /// Nothing but the constants, these disturbed readings and what stated angles do is left out from now on.
-    pub(super) fn restart(&mut self, outliers: &[Outlier], causes: &Model) {
+    pub(super) fn restart(&mut self, outliers: &[Outlier], model: &Model) {
         self.keep(self.constants);
         self.leave_out_readings(outliers.iter().flat_map(|outlier| &outlier.readings));
-        let pattern = |cause: &usize| of_column(&self.rows, &causes.causes[*cause].column);
-        let angles: Vec<_> = causes.angles.iter().flatten().map(pattern).collect();
+        let pattern = |cause: &usize| of_column(&self.rows, &model.causes[*cause].column);
+        let angles: Vec<_> = model.angles.iter().flatten().map(pattern).collect();
         self.leave_out(angles);
     }
 
@@ -344,7 +337,7 @@ impl Patterns {
 
     /// The ramps beside what is left out, and how likely noise and the stated angles make them: by the order of
     /// the axes that explains them best. `None` where too little is left to tell them or to judge them by.
-    pub(super) fn ramps(&self, noise: Option<Noise>, causes: Option<&Model>) -> Option<Ramps> {
+    pub(super) fn ramps(&self, noise: Option<Noise>, model: &Model) -> Option<Ramps> {
         let weighed = self.ramps.each_ref().map(|ramp| self.projected(ramp));
         let normal = Matrix3::from_fn(|i, j| self.ramps[i].dot(&weighed[j]));
         let inverse = normal.cholesky()?.inverse();
@@ -357,18 +350,16 @@ impl Patterns {
             Some(noise) => (noise.sigma_um.max(DIGIT_UM).squared(), noise.freedom),
             None => ((square - drop).max(0.0) / float(rest), Some(rest)),
         };
-        let chance = |angles: &[usize], causes: &[Cause]| {
-            let of_angle = |at: &usize| of(&of_column(&self.rows, &causes[*at].column));
+        let chance = |angles: &[usize]| {
+            let of_angle = |at: &usize| of(&of_column(&self.rows, &model.causes[*at].column));
             let spread = angles.iter().map(of_angle).map(|c| c * c.transpose());
             let spread = spread.fold(inverse * variance, |sum, one| sum + one);
             let ratio =
                 spread.cholesky().map_or(f64::INFINITY, |of| of.solve(&shares).dot(&shares));
             Some((chance_of(ratio, 3, freedom)?, spread))
         };
-        let by_noise = chance(&[], &[])?;
-        let orders = causes.iter().flat_map(|causes| {
-            causes.angles.iter().filter_map(|angles| chance(angles, &causes.causes))
-        });
+        let by_noise = chance(&[])?;
+        let orders = model.angles.iter().filter_map(|angles| chance(angles));
         let (probability, spread) =
             orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
         let by_axis = |of: &dyn Fn(usize) -> f64| PerAxis::from_fn(|axis| of(axis as usize));

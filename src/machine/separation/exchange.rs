@@ -26,8 +26,7 @@
 
 use super::campaign::{Start, corrected};
 use super::closure::{Closure, Patterns, closure};
-use super::linear::Model;
-use super::readings::{DIGIT_UM, Outlier, UNRESOLVED_UM, float, walks};
+use super::readings::{DIGIT_UM, Outlier, UNRESOLVED_UM, float, means, walks};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, Diagonal, PerDiagonal, Run, Squared};
 use crate::text::{Finding, joined};
@@ -115,42 +114,42 @@ struct Trial<'a> {
 
 /// The readings under some names, and which of them are disturbed.
 fn renamed<'a>(start: &Start<'a>, raw_runs: &[Run], naming: &Naming) -> Start<'a> {
-    let mut runs = raw_runs.to_vec();
-    runs.iter_mut().for_each(|run| run.diagonal = naming.0[run.diagonal]);
+    let runs = raw_runs.iter().map(|run| Run { diagonal: naming.0[run.diagonal], ..run.clone() });
+    let (mut z, counts) = means(walks(&corrected(start.campaign, runs.collect())));
+    z.extend(&start.z[counts.len()..]);
     let mut outliers = start.outliers.clone();
     for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
         place.diagonal = naming.0[place.diagonal];
     }
-    let walks = walks(&corrected(start.campaign, runs));
-    Start { outliers, walks, ..start.clone() }
+    Start { z, counts, outliers, ..start.clone() }
 }
 
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
 /// likelier, else a note of slips that these readings would hardly show. `None`, too, where the closure has no degrees of
-/// freedom. The last is what was found under the recorded names, with the least-squares problem of its closure.
+/// freedom. The last is the closure under the recorded names, with its least-squares problem.
 pub(super) fn names(
     start: &Start<'_>,
     raw_runs: &[Run],
-    (closure, causes, mut patterns): (&Closure, &Model, Patterns),
+    (closure, mut patterns): (&Closure, Patterns),
 ) -> Option<Finding> {
     // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
     let stated_um = start.campaign.stated.noise_um;
-    let stated_um = stated_um.filter(|um| start.noise.is_some_and(|found| !found.contradicts(*um)));
+    let stated_um =
+        stated_um.filter(|um| start.model.noise.is_some_and(|found| !found.contradicts(*um)));
     let known_um = start.known.map(|noise| noise.sigma_um).or(stated_um);
     // Ways that share counts and disturbed readings share the least-squares problem. What stated angles do belongs
     // to no other name.
-    patterns.restart(&start.outliers, causes);
+    patterns.restart(&start.outliers, &start.model);
     let (mut others, freedom) = (Vec::new(), float(patterns.scatter().1));
-    let mut shared = (start.counts(), start.outliers.clone());
+    let mut last = start.clone();
     for naming in Naming::all() {
         let other = renamed(start, raw_runs, &naming);
-        let own = (other.counts(), other.outliers.clone());
-        if own != shared {
+        if (&other.counts, &other.outliers) != (&last.counts, &last.outliers) {
             patterns = Patterns::new(&other)?;
-            patterns.restart(&other.outliers, causes);
+            patterns.restart(&other.outliers, &start.model);
         }
-        others.push((naming, patterns.square_of(&other.measured())));
-        shared = own;
+        others.push((naming, patterns.square_of(&other.z)));
+        last = other;
     }
     let (recorded, intervals) = (others.remove(0).1, start.volume().steps_f64() - 1.0);
     let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
@@ -195,8 +194,9 @@ impl Trial<'_> {
         if !seen || gain <= self.margin(*best) {
             return None;
         }
-        let other = renamed(self.start, self.raw_runs, naming);
-        let (after, _) = closure(&other, None);
+        let mut other = renamed(self.start, self.raw_runs, naming);
+        other.model.angles.clear();
+        let (after, _) = closure(&other);
         let leaves_doubts = !after.doubts(other.volume(), None).is_empty();
         let order = other.volume().order;
         let found = SeparationFinding::OtherNames {

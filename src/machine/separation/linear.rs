@@ -202,13 +202,6 @@ pub(super) struct Variance {
 }
 
 impl Model {
-    /// With the noise of readings that are means of so many runs.
-    pub(super) fn with_noise(mut self, noise: Option<Noise>, runs: &[f64]) -> Model {
-        let square = noise.map_or(0.0, |noise| noise.sigma_um.squared());
-        self.own.iter_mut().zip(runs).for_each(|(own, runs)| *own = square / runs);
-        Model { noise, ..self }
-    }
-
     /// A variance as standard uncertainty with its degrees of freedom; `None` = the noise is not known.
     ///
     /// source Welch and Satterthwaite, GUM G.4.1

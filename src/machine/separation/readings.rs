@@ -49,11 +49,18 @@ pub(super) fn pass_of(group: Group, diagonal: Diagonal, axis: Axis) -> Pass {
 pub fn walks(runs: &[Run]) -> Vec<Walk> {
     let all = Pass::BOTH.into_iter().flat_map(|pass| Diagonal::ALL.map(|d| (d, pass)));
     let walk = |(diagonal, pass)| {
-        let nodes = by_node(runs, diagonal, pass)?;
-        let um = nodes.iter().map(|runs| mean(runs.iter().copied())).collect();
-        Some(Walk { diagonal, pass, runs: float(nodes.first()?.len()), um })
+        let own = of(runs, (diagonal, pass));
+        let mean = |node: usize| mean(own.iter().map(|run| run.deviations[node].um()));
+        let um = (0..own.first()?.deviations.len()).map(mean).collect();
+        Some(Walk { diagonal, pass, runs: float(own.len()), um })
     };
     all.filter_map(walk).collect()
+}
+
+/// Mean readings, and how many runs each of them is of.
+pub(super) fn means(walks: Vec<Walk>) -> (Vec<f64>, Vec<f64>) {
+    let of = |walk: Walk| walk.um.into_iter().map(move |um| (um, walk.runs));
+    walks.into_iter().flat_map(of).unzip()
 }
 
 /// The runs of one pass along a diagonal.
@@ -317,13 +324,13 @@ pub(super) fn stands_out(
 /// σ of a single reading, without the disturbed ones (`None` where no pass was repeated), and the disturbed readings of
 /// single runs, the largest first; pooled over all passes.
 pub fn repeats(runs: &[Run]) -> (Option<Noise>, Vec<Outlier>) {
-    let of_pass = |diagonal| Pass::BOTH.map(|pass| RepeatedPass::new(runs, diagonal, pass));
-    let mut passes: Vec<RepeatedPass> =
-        Diagonal::ALL.into_iter().flat_map(of_pass).flatten().collect();
+    let ways = Diagonal::ALL.into_iter().flat_map(|d| Pass::BOTH.map(|pass| (d, pass)));
+    let mut passes: Vec<RepeatedPass<'_>> =
+        ways.filter_map(|way| RepeatedPass::new(of(runs, way))).collect();
     let readings = passes.iter().map(|pass| pass.left.len()).sum();
     let each = passes.iter().map(|pass| (pass.runs.len() - 1) * (pass.left.ncols() - 1));
     let mut freedom: usize = each.sum();
-    let square = |passes: &[RepeatedPass]| passes.iter().map(|of| of.left.norm_squared()).sum();
+    let square = |passes: &[RepeatedPass<'_>]| passes.iter().map(|of| of.left.norm_squared()).sum();
     let mut outliers: Vec<Outlier> = Vec::new();
     while outliers.len() < MOST_OUTLIERS {
         let all: f64 = square(&passes);
@@ -340,23 +347,19 @@ pub fn repeats(runs: &[Run]) -> (Option<Noise>, Vec<Outlier>) {
 }
 
 /// Readings of one pass along a diagonal that was walked more than once.
-struct RepeatedPass {
-    diagonal: Diagonal,
-    pass: Pass,
-    runs: Vec<u32>,
+struct RepeatedPass<'a> {
+    runs: Vec<&'a Run>,
     /// By run and node: readings less the mean of their node and the mean of their run, µm.
     left: DMatrix<f64>,
 }
 
-impl RepeatedPass {
-    fn new(runs: &[Run], diagonal: Diagonal, pass: Pass) -> Option<RepeatedPass> {
-        let walked = of(runs, (diagonal, pass));
-        let nodes = walked.first().filter(|_| walked.len() > 1)?.deviations.len();
-        let reading = |run: usize, node: usize| walked[run].deviations[node].um();
-        let mut left = DMatrix::from_fn(walked.len(), nodes, reading);
+impl RepeatedPass<'_> {
+    fn new(runs: Vec<&Run>) -> Option<RepeatedPass<'_>> {
+        let nodes = runs.first().filter(|_| runs.len() > 1)?.deviations.len();
+        let reading = |run: usize, node: usize| runs[run].deviations[node].um();
+        let mut left = DMatrix::from_fn(runs.len(), nodes, reading);
         residuals(&mut left);
-        let runs = walked.iter().map(|run| run.number).collect();
-        Some(RepeatedPass { diagonal, pass, runs, left })
+        Some(RepeatedPass { runs, left })
     }
 
     /// The reading that stands out most: its run and node; its size, and what the sum of squares loses with it.
@@ -372,12 +375,12 @@ impl RepeatedPass {
 
     /// With two runs their difference does not say which one is disturbed.
     fn named(&self, (run, node): (usize, usize), size_um: f64, ratio: f64) -> Outlier {
-        let (diagonal, pass) = (self.diagonal, self.pass);
-        let place = |run: &u32| ReadingPlace { diagonal, pass, run: Some(*run), node };
-        let others = self.runs.iter().enumerate();
-        let others = others.filter(|(at, _)| *at != run && self.runs.len() == 2);
-        let first = std::iter::once(place(&self.runs[run]));
-        let readings = first.chain(others.map(|(_, run)| place(run))).collect();
+        let place = |of: &Run| {
+            let Run { diagonal, pass, number, .. } = *of;
+            ReadingPlace { diagonal, pass, run: Some(number), node }
+        };
+        let other = (self.runs.len() == 2).then(|| self.runs[1 - run]);
+        let readings = std::iter::once(self.runs[run]).chain(other).map(place).collect();
         let of_mean_um = size_um / float(self.runs.len());
         Outlier { readings, size_um, ratio, of_mean_um }
     }

@@ -33,7 +33,7 @@
 use super::campaign::{Estimate, LinearReversals, Start};
 use super::curves::mean;
 use super::linear::{CurveRows, Row};
-use super::readings::{DIGIT_UM, Noise, UNRESOLVED_UM, Walk, chance_of, float};
+use super::readings::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
 use super::solved::Solved;
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
@@ -77,7 +77,7 @@ pub struct Turn {
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means; of a jump that of the axis itself.
 pub(super) fn ran_over(start: &Start<'_>, noise: Noise) -> Option<bool> {
-    let (z, counts, layout) = (start.measured(), start.counts(), start.layout());
+    let (z, counts, layout) = (&start.z, &start.counts, start.model.layout);
     let square = noise.sigma_um.max(DIGIT_UM).squared();
     let of_mean = |d, pass| 1.0 / counts[layout.reading(pass, d, 0)];
     let variance = |d| square * Pass::BOTH.map(|pass| of_mean(d, pass)).iter().sum::<f64>();
@@ -116,8 +116,8 @@ fn solution(design: &DMatrix<f64>, covariance: DMatrix<f64>) -> Option<[DMatrix<
 impl Solved<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
-        let start = self.start;
-        let (volume, noise) = (start.volume(), start.noise);
+        let start = &self.start;
+        let (volume, noise) = (start.volume(), start.model.noise);
         let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
         // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
         let at = |along: Axis, of: Axis, end: Direction| {
@@ -142,16 +142,16 @@ impl Solved<'_> {
             design[(MEASURED + term, 9 + term)] = 1.0;
         }
         let square = noise.map_or(0.0, |noise| noise.sigma_um).max(DIGIT_UM).squared();
-        let counts = start.counts();
-        let mut weighed = DMatrix::zeros(counts.len(), MEASURED);
+        let mut weighed = DMatrix::zeros(start.counts.len(), MEASURED);
         for (index, row) in rows.iter().enumerate() {
-            let u = |place: usize| (square / counts[place]).sqrt();
+            let u = |place: usize| (square / start.counts[place]).sqrt();
             row.0.iter().for_each(|(place, by)| weighed[(*place, index)] += by * u(*place));
         }
         let neglected = DMatrix::identity(MEASURED, MEASURED) * (NEGLECTED * square);
         let mut covariance = weighed.tr_mul(&weighed) + neglected;
         let [gain, spread] = solution(&design.rows(0, MEASURED).into(), covariance.clone())?;
-        let ends = gain * DVector::from_iterator(MEASURED, rows.iter().map(|row| row.dot(&self.z)));
+        let ends =
+            gain * DVector::from_iterator(MEASURED, rows.iter().map(|row| row.dot(&self.start.z)));
         let changes = ends.rows(9, 9) - ends.rows(0, 9);
         let of_changes = design.rows(MEASURED, 9) * spread * design.rows(MEASURED, 9).transpose();
         let constancy = |axis: Axis| {
@@ -170,16 +170,17 @@ impl Solved<'_> {
         for term in ErrorTerm::ALL {
             let (equation, um) = (rows.len(), change_um[term]); // in the order of the unknowns
             covariance[(equation, equation)] = um.squared() + NEGLECTED * square;
-            rows.push(Row::of(self.add(0.0, um)));
+            rows.push(Row::of(self.start.add(0.0, um)));
         }
+        let start = &self.start;
         let [gain, _] = solution(&design, covariance)?;
         let end = |term: ErrorTerm, end| {
             let of = gain.row(at(term.along, term.of, end));
             Row::sum(of.iter().copied().zip(&rows)).merged()
         };
         let estimate = |row: &Row| Estimate {
-            um: row.dot(&self.z),
-            u_um: noise.map(|_| self.model.variance(row).all.sqrt()),
+            um: row.dot(&self.start.z),
+            u_um: noise.map(|_| self.start.model.variance(row).all.sqrt()),
         };
         let both = |term: ErrorTerm| Direction::BOTH.map(|way| end(term, way));
         let alone = |d, axis| Row::sum([(1.0 / volume.cosine(axis), start.jump(d, axis))]);
@@ -201,7 +202,7 @@ impl Solved<'_> {
                 let mut curve = self.between_passes(term);
                 let rise = curve.steps.iter().map(|step| (-1.0, step));
                 curve.line = Row::sum(rise.chain([(1.0, &high), (-1.0, &low)])).merged();
-                CurveRows { start: low, line_um: curve.line.dot(&self.z), ..curve }
+                CurveRows { start: low, line_um: curve.line.dot(&self.start.z), ..curve }
             }),
         })
     }
@@ -217,7 +218,7 @@ impl Solved<'_> {
 
     /// B of a linear measurement: each place is measured by itself.
     fn by_linear(&mut self, reversal: &[Estimate]) -> CurveRows {
-        let place = |b: &Estimate| Row::of(self.add(b.um, b.u_um.unwrap_or(0.0)));
+        let place = |b: &Estimate| Row::of(self.start.add(b.um, b.u_um.unwrap_or(0.0)));
         let places: Vec<Row> = reversal.iter().map(place).collect();
         let step = |ends: &[Row]| Row::sum([(1.0, &ends[1]), (-1.0, &ends[0])]);
         CurveRows {
@@ -272,18 +273,19 @@ pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Fi
 /// single axes, Σ_k (V_k/R) B_k at each place, is taken off.
 pub(super) fn hidden_reversal_um(start: &Start<'_>, known: &LinearReversals) -> Option<f64> {
     let volume = start.volume();
-    let beside = |(forward, back): (&Walk, &Walk)| -> Vec<f64> {
+    let beside = |d: Diagonal| -> Vec<f64> {
         let of_known = |node: usize| -> f64 {
             let b = known.iter().filter_map(|(axis, b)| {
-                let end = volume.end_at(forward.diagonal, PathKind::Step, node, axis);
+                let end = volume.end_at(d, PathKind::Step, node, axis);
                 Some(volume.cosine(axis) * b.as_ref()?[end].um)
             });
             b.sum()
         };
-        let pairs = forward.um.iter().zip(&back.um).enumerate();
-        pairs.map(|(node, (forward, back))| forward - back - of_known(node)).collect()
+        let read = |pass, node| start.z[start.model.layout.reading(pass, d, node)];
+        let back = |node| read(Pass::Forward, node) - read(Pass::Reverse, node) - of_known(node);
+        (0..start.model.layout.nodes).map(back).collect()
     };
-    let sigma = start.noise.map_or(0.0, |noise| noise.sigma_um);
+    let sigma = start.model.noise.map_or(0.0, |noise| noise.sigma_um);
     let u_known = known
         .iter()
         .filter_map(|(axis, b)| Some((volume.cosine(axis) * u_largest_um(b.as_ref()?)?).squared()));
@@ -293,8 +295,7 @@ pub(super) fn hidden_reversal_um(start: &Start<'_>, known: &LinearReversals) -> 
         let of_noise = std::f64::consts::SQRT_2 * sigma / float(b.len()).sqrt();
         mean(b.iter().copied()).abs() > (6.0 * of_noise.hypot(u_known)).max(UNRESOLVED_UM)
     };
-    let walks = start.walks.iter();
-    let shown = walks.clone().zip(walks.skip(Diagonal::ALL.len())).map(beside).filter(shown);
+    let shown = Diagonal::ALL.into_iter().map(beside).filter(shown);
     let largest = |b: Vec<f64>| b.iter().step_by(3).fold(0.0, |most: f64, um| most.max(um.abs()));
     shown.map(largest).reduce(f64::max)
 }

@@ -7,7 +7,7 @@
 
 use super::campaign::{MeasuredLine, Start};
 use super::curves::{Curve, ReferenceLine};
-use super::linear::{CurveRows, Model, Row, Uncertainty};
+use super::linear::{CurveRows, Row, Uncertainty};
 use super::metric::{Agreement, Equation, Equations, Metric, UM_PER_M};
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::{
@@ -18,10 +18,7 @@ use std::sync::Arc;
 
 /// Curves as rows over what was measured, and what their slopes come from.
 pub(super) struct Solved<'a> {
-    pub(super) start: &'a Start<'a>,
-    pub(super) model: Model,
-    /// What was measured.
-    pub(super) z: Vec<f64>,
+    pub(super) start: Start<'a>,
     /// Increments of the mean curves over each interval.
     mean_steps: PerTerm<Arc<[Row]>>,
     /// Slopes of the increments, µm/m.
@@ -48,11 +45,10 @@ pub fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
 }
 
 impl<'a> Solved<'a> {
-    /// `model`: of the causes; the noise of the readings is that of the start.
-    pub(super) fn new(start: &'a Start<'a>, model: Model) -> Solved<'a> {
-        let (campaign, volume) = (start.campaign, start.volume());
-        let mut model = model.with_noise(start.noise, &start.counts());
-        let z = start.measured();
+    pub(super) fn new(mut start: Start<'a>) -> Solved<'a> {
+        let (campaign, volume, known) =
+            (start.campaign, start.volume(), start.model.noise.is_some());
+        let z = &start.z;
         let step = |term, at| start.mean(|group| start.delta(term, group, at));
         let mean_steps = PerTerm::from_fn(|term| -> Arc<[Row]> {
             (0..volume.steps).map(|at| step(term, at)).collect()
@@ -60,38 +56,39 @@ impl<'a> Solved<'a> {
         let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| start.sum(d, axis)));
         let ratio = |d: Diagonal, axis: Axis| {
             let length_um = volume.size[axis].mm() * 1000.0;
-            d.sign(axis) * (volume.cosine(axis) + sums[d][axis].dot(&z) / length_um)
+            d.sign(axis) * (volume.cosine(axis) + sums[d][axis].dot(z) / length_um)
         };
         let ratios = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| ratio(d, axis)));
         let total = |d: Diagonal| Row::sum(sums[d].iter().map(|(_, sum)| (1.0, sum)));
         let ends = PerDiagonal::from_fn(total);
         // (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
         let of_diagonal = |d: Diagonal| {
-            let (direction, nominal, known) = (ratios[d], volume.laser(d), start.noise.is_some());
+            let (direction, nominal) = (ratios[d], volume.laser(d));
             let value = (direction.dot(direction) - 1.0) / 2.0 / UM_PER_M;
             let row = Row::sum([(1000.0 / volume.diagonal_mm(), &ends[d])]);
             Equation { direction, nominal, value, row, known, own: 0.0 }
         };
         let of_line = |(index, line): (usize, &MeasuredLine)| {
-            let mut row = Row::of(model.layout.line(index));
+            let mut row = Row::of(start.model.layout.line(index));
             row.add(-1.0, shapes_in(volume, &mean_steps, line));
-            Equation::of_line(line, row, &z)
+            Equation::of_line(line, row, z)
         };
         let lines = campaign.lines.iter().enumerate().map(of_line);
         let all = Diagonal::ALL.map(of_diagonal).into_iter().chain(lines).collect();
-        let equations = Equations::new(all, &mut model);
-        let mut metric = equations.metric(&model);
+        let equations = Equations::new(all, &mut start.model);
+        let (z, model) = (&start.z, &start.model);
+        let mut metric = equations.metric(model);
         if campaign.measurement.setup == SetUp::AssumePerfect {
             for plane in Plane::ALL {
-                metric.set_squareness(plane, of_totals(volume, &ends, plane), &z, &model);
+                metric.set_squareness(plane, of_totals(volume, &ends, plane), z, model);
             }
         }
-        let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
+        let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(z));
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
         let rise =
-            |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
+            |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(z)).sum::<f64>();
         let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
-        Solved { start, naive, ratios, metric, equations, ends_um, model, z, mean_steps }
+        Solved { naive, ratios, metric, equations, ends_um, mean_steps, start }
     }
 
     /// What is assumed of the set-up.
@@ -143,7 +140,7 @@ impl<'a> Solved<'a> {
     pub(super) fn shapes(&self) -> PerTerm<Curve> {
         PerTerm::from_fn(|term| {
             let curve = CurveRows { steps: self.mean_steps[term].clone(), ..CurveRows::default() };
-            curve.values(&self.z, -self.naive[term] * self.metres(term))
+            curve.values(&self.start.z, -self.naive[term] * self.metres(term))
         })
     }
 
@@ -169,12 +166,6 @@ impl<'a> Solved<'a> {
         NineErrors { mean: PerTerm::from_fn(mean), directed }
     }
 
-    /// One more entry of what was measured: its place.
-    pub(super) fn add(&mut self, um: f64, u_um: f64) -> usize {
-        self.z.push(um);
-        self.model.add(u_um)
-    }
-
     /// A curve with its uncertainties, if those of what stands beside the mean are known.
     fn evidence(&self, term: ErrorTerm, rows: CurveRows, is_known: bool) -> SeparatedError {
         let [share, own, _] = self.rule(term);
@@ -183,10 +174,10 @@ impl<'a> Solved<'a> {
             true => self.metric.of(term).is_known,
             false => own < 1.0 || self.start.campaign.stated.tilt_arcsec.is_some(),
         };
-        let variances = || rows.variances(&self.model).into_iter();
-        let u = || variances().map(|variance| self.model.uncertainty(variance)).collect();
+        let variances = || rows.variances(&self.start.model).into_iter();
+        let u = || variances().map(|variance| self.start.model.uncertainty(variance)).collect();
         let u = (is_known && slope_is_known).then(u).flatten();
-        SeparatedError { deviation_um: rows.values(&self.z, rows.line_um), u, rows }
+        SeparatedError { deviation_um: rows.values(&self.start.z, rows.line_um), u, rows }
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness

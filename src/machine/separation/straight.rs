@@ -22,7 +22,7 @@ use super::curves::at;
 use super::labels;
 use super::linear::Row;
 use super::metric::{Agreement, Equation, Equations, Metric};
-use super::readings::{self, Noise, Outlier, Walk, float};
+use super::readings::{self, Noise, Outlier, float};
 use crate::inputs::error_table::{ErrorTable, Kind, Silence};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
@@ -69,37 +69,37 @@ pub fn straight(
 ) -> Result<StraightResult, Problems> {
     let volume = &campaign.measurement.volume;
     let mut start = Start::new(campaign, runs);
-    start.noise = start.known;
-    let mut model = start.model().with_noise(start.noise, &start.counts());
-    let (layout, z) = (model.layout, start.measured());
+    start.set_noise(start.known);
+    let (layout, noise) = (start.model.layout, start.known);
     // (7) of first order: u_dᵀ h u_d = e_d(end)/R; the mean of the passes.
     let share = 1000.0 / volume.diagonal_mm() / float(layout.passes);
     let of_diagonal = |d: Diagonal| {
         let at = |pass, node| layout.reading(pass, d, node);
         let ends = |pass| [(at(pass, layout.nodes - 1), share), (at(pass, 0), -share)];
         let row = Row(Pass::BOTH.into_iter().take(layout.passes).flat_map(ends).collect());
-        let (direction, known) = (volume.laser(d), start.noise.is_some());
-        Equation { direction, nominal: direction, value: row.dot(&z), row, known, own: 0.0 }
+        let (direction, known) = (volume.laser(d), noise.is_some());
+        Equation { direction, nominal: direction, value: row.dot(&start.z), row, known, own: 0.0 }
     };
     let lines = campaign.lines.iter().enumerate();
-    let lines = lines.map(|(index, line)| Equation::of_line(line, Row::of(layout.line(index)), &z));
+    let lines =
+        lines.map(|(index, line)| Equation::of_line(line, Row::of(layout.line(index)), &start.z));
     let all = Diagonal::ALL.map(of_diagonal).into_iter().chain(lines).collect();
-    let equations = Equations::new(all, &mut model);
-    let metric = equations.metric(&model);
+    let equations = Equations::new(all, &mut start.model);
+    let metric = equations.metric(&start.model);
     let agreement = equations.agreement(&metric);
     let (figures, _) = readings::figures(&start.runs, PathKind::Straight);
     let disturbed = start.outliers.iter().map(Outlier::words);
     let doubts = disturbed
         .map(|which| SeparationFinding::DisturbedTotal { which }.into())
         .chain(agreement.as_ref().and_then(|of| of.contradiction.clone()))
-        .chain(large_noise(start.noise, campaign.stated.noise_um));
+        .chain(large_noise(noise, campaign.stated.noise_um));
     Ok(StraightResult {
         volume: volume.clone(),
         end_um: PerDiagonal::from_fn(|d| figures[d].end_um),
         silence: campaign.silence(),
         doubts: doubts.collect(),
         agreement,
-        noise: start.noise,
+        noise,
         closure: errors.map(|table| closure_tests(&start, table)).transpose()?,
         labels: labels::of_straight(&start),
         metric,
@@ -147,13 +147,12 @@ type Predicted = (f64, Option<f64>);
 /// Compares straight runs with what nine errors predict.
 fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, Problems> {
     let mut found = ClosureTests { agrees: None, k: 0.0, table_states_u: true, tests: Vec::new() };
-    for walk in &start.walks {
+    let passes = &Pass::BOTH[..start.model.layout.passes];
+    for walk in Diagonal::ALL.into_iter().flat_map(|d| passes.iter().map(move |pass| (d, *pass))) {
         let predicted = predicted(start.volume(), table, walk)?;
         found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
-        let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
-        found.tests.push(compared(walk, &predicted, readings));
+        found.tests.push(compared(start, walk, &predicted));
     }
-    found.tests.sort_by_key(|test| test.diagonal);
     // k of a test of so many differences together.
     let differences = float((found.tests.len() * start.volume().steps).max(1));
     found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
@@ -162,19 +161,24 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     Ok(found)
 }
 
-fn compared(walk: &Walk, predicted: &[Predicted], square_um2: Option<f64>) -> ClosureTest {
-    let Walk { diagonal, pass, um: measured, .. } = walk;
-    let last = measured.len() - 1;
-    let [start, end] = if *pass == Pass::Forward { [0, last] } else { [last, 0] };
-    let left = |at: usize| measured[at] - measured[start] - (predicted[at].0 - predicted[start].0);
+fn compared(
+    of: &Start<'_>,
+    (diagonal, pass): (Diagonal, Pass),
+    predicted: &[Predicted],
+) -> ClosureTest {
+    let (first, last) = (of.model.layout.reading(pass, diagonal, 0), predicted.len() - 1);
+    let [start, end] = if pass == Pass::Forward { [0, last] } else { [last, 0] };
+    let beyond = |node: usize| of.z[first + node] - predicted[node].0;
+    let left = |node: usize| beyond(node) - beyond(start);
+    let of_reading = of.model.noise.map(|noise| 2.0 * noise.sigma_um.squared() / of.counts[first]);
     let stated = |node: usize| predicted[node].1.unwrap_or(0.0);
-    let u = |node: usize| Some((square_um2? + stated(node) + stated(start)).sqrt());
+    let u = |node: usize| Some((of_reading? + stated(node) + stated(start)).sqrt());
     let others = || (0..=last).filter(|node| *node != start);
     let ratio = |node: usize| Some(left(node).abs() / u(node).filter(|u| *u > 0.0)?);
     let ratios: Option<Vec<f64>> = others().map(ratio).collect();
     ClosureTest {
-        diagonal: *diagonal,
-        pass: *pass,
+        diagonal,
+        pass,
         largest_um: others().map(|node| left(node).abs()).fold(0.0, f64::max),
         end_um: left(end),
         u_end_um: u(end),
@@ -183,13 +187,17 @@ fn compared(walk: &Walk, predicted: &[Predicted], square_um2: Option<f64>) -> Cl
 }
 
 /// What nine errors predict for the nodes of a diagonal; an undirected curve serves both ways.
-fn predicted(volume: &Volume, table: &ErrorTable, walk: &Walk) -> Result<Vec<Predicted>, Problem> {
-    let u = volume.laser(walk.diagonal);
+fn predicted(
+    volume: &Volume,
+    table: &ErrorTable,
+    (diagonal, pass): (Diagonal, Pass),
+) -> Result<Vec<Predicted>, Problem> {
+    let u = volume.laser(diagonal);
     let at_node = |node: usize| {
-        let place = volume.place(walk.diagonal, PathKind::Straight, node);
+        let place = volume.place(diagonal, PathKind::Straight, node);
         let mut all = (0.0, Some(0.0));
         for ErrorTerm { of, along } in ErrorTerm::ALL {
-            let direction = Some(walk.diagonal.travelled(along, walk.pass));
+            let direction = Some(diagonal.travelled(along, pass));
             let series = table.series(along);
             let series =
                 series.iter().find(|s| s.direction == direction).or_else(|| series.first())?;

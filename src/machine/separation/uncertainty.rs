@@ -21,51 +21,47 @@ use crate::quantity::{
 /// A ramp below this share of the readings that make it is their rounding.
 const ROUNDING: f64 = 1e-9;
 
-impl Start<'_> {
-    /// The linear model of the readings, their noise left out.
-    pub(super) fn model(&self) -> Model {
-        let (campaign, stated) = (self.campaign, self.campaign.stated);
-        let (volume, measurement) = (self.volume(), campaign.measurement);
-        let layout = self.layout();
-        let [of_setup, of_beam] =
-            [stated.setup_ppm.unwrap_or(0.0), stated.beam_ppm()].map(f64::squared);
-        let mut own = vec![0.0; layout.len()];
-        for (index, line) in campaign.lines.iter().enumerate() {
-            own[layout.line(index)] = line.u_um_per_m.unwrap_or(0.0).squared() + of_setup;
-        }
-        // What a unit of each does along the diagonals, µm/m.
-        let strain = |strain: PerAxis<f64>| {
-            let along = |d| PerAxis::from_fn(|axis| volume.laser(d)[axis] * strain[axis]);
-            PerDiagonal::from_fn(along)
-        };
-        let only = |one: Diagonal, of: PerAxis<f64>| {
-            PerDiagonal::from_fn(|d| if d == one { of } else { PerAxis::default() })
-        };
-        let beam = strain(PerAxis::from_fn(|_| stated.beam_ppm()));
-        let mut scales = vec![(Part::Beam, beam, [1.0, 0.0])];
-        let laser = (stated.of_laser_ppm() > 0.0).then_some(scales.len());
-        let common = common_um_per_m(stated, self.material).into_iter();
-        scales.extend(common.map(|um_per_m| (Part::Laser, strain(um_per_m), [1.0, 0.0])));
-        let tilt = stated.tilt_arcsec.filter(|_| measurement.setup == SetUp::AssumePerfect);
-        for (d, arcsec) in Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt?))) {
-            let ways = across(volume.laser(d)).map(|way| way.times(arcsec * URAD_PER_ARCSEC));
-            scales.extend(ways.map(|way| (Part::Mirror, only(d, way), [1.0, 0.0])));
-        }
-        let set_up = |d| (Part::SetUps, only(d, volume.laser(d)), [of_setup, of_beam]);
-        scales.extend(Diagonal::ALL.map(set_up));
-        let moved = PerDiagonal::from_fn(|d| -> Vec<PerAxis<f64>> {
-            let inside = |node| volume.inside_mm(d, measurement.kind, node);
-            (0..layout.nodes).map(|node| inside(node).minus(inside(0))).collect()
-        });
-        let causes = scales.into_iter().map(|(part, um_per_m, [variance, of_beam])| {
-            let column = layout.column(|d, node| um_per_m[d].dot(moved[d][node]) / 1000.0);
-            Cause { part, column, variance, of_beam }
-        });
-        let mut causes: Vec<Cause> = causes.collect();
-        let angles = unmeasured(campaign, layout, &mut causes);
-        let evidence = campaign.angles.evidence.clone();
-        Model { layout, noise: None, own, of_setup, causes, laser, angles, evidence }
+/// The linear model of the readings, their noise left out; `material`: with the temperatures that were recorded.
+pub(super) fn model(campaign: &Campaign<'_>, material: Option<Material>, layout: Layout) -> Model {
+    let (measurement, stated) = (campaign.measurement, campaign.stated);
+    let volume = &measurement.volume;
+    let [of_setup, of_beam] =
+        [stated.setup_ppm.unwrap_or(0.0), stated.beam_ppm()].map(f64::squared);
+    let mut own = vec![0.0; layout.len()];
+    for (index, line) in campaign.lines.iter().enumerate() {
+        own[layout.line(index)] = line.u_um_per_m.unwrap_or(0.0).squared() + of_setup;
     }
+    // What a unit of each does along the diagonals, µm/m.
+    let moved = PerDiagonal::from_fn(|d| -> Vec<PerAxis<f64>> {
+        let inside = |node| volume.inside_mm(d, measurement.kind, node);
+        (0..layout.nodes).map(|node| inside(node).minus(inside(0))).collect()
+    });
+    let cause = |part, um_per_m: PerDiagonal<PerAxis<f64>>, [variance, of_beam]: [f64; 2]| {
+        let column = layout.column(|d, node| um_per_m[d].dot(moved[d][node]) / 1000.0);
+        Cause { part, column, variance, of_beam }
+    };
+    let strain = |part, strain: PerAxis<f64>| {
+        let along = |d| PerAxis::from_fn(|axis| volume.laser(d)[axis] * strain[axis]);
+        cause(part, PerDiagonal::from_fn(along), [1.0, 0.0])
+    };
+    let only = |part, one: Diagonal, of: PerAxis<f64>, size| {
+        let of = |d| if d == one { of } else { PerAxis::default() };
+        cause(part, PerDiagonal::from_fn(of), size)
+    };
+    let mut causes = vec![strain(Part::Beam, PerAxis::from_fn(|_| stated.beam_ppm()))];
+    let laser = (stated.of_laser_ppm() > 0.0).then_some(causes.len());
+    let common = common_um_per_m(stated, material).into_iter();
+    causes.extend(common.map(|um_per_m| strain(Part::Laser, um_per_m)));
+    let tilt = stated.tilt_arcsec.filter(|_| measurement.setup == SetUp::AssumePerfect);
+    for (d, arcsec) in Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt?))) {
+        let ways = across(volume.laser(d)).map(|way| way.times(arcsec * URAD_PER_ARCSEC));
+        causes.extend(ways.map(|way| only(Part::Mirror, d, way, [1.0, 0.0])));
+    }
+    let set_up = |d| only(Part::SetUps, d, volume.laser(d), [of_setup, of_beam]);
+    causes.extend(Diagonal::ALL.map(set_up));
+    let angles = unmeasured(campaign, layout, &mut causes);
+    let evidence = campaign.angles.evidence.clone();
+    Model { layout, noise: None, own, of_setup, causes, laser, angles, evidence }
 }
 
 /// Causes that act alike in all set-ups, one after the other: the false scale of X, Y, Z that
@@ -140,12 +136,8 @@ fn unmeasured(campaign: &Campaign<'_>, layout: Layout, causes: &mut Vec<Cause>) 
 
 /// What rolls do to the readings that make ramps of the closure of this size, µm from its first interval to its
 /// last: for each axis, by each order of the axes that may be.
-pub(super) fn rolls(
-    start: &Start<'_>,
-    layout: Layout,
-    ramps_um: &PerAxis<f64>,
-) -> Vec<Vec<Vec<f64>>> {
-    let (campaign, volume) = (start.campaign, start.volume());
+pub(super) fn rolls(start: &Start<'_>, ramps_um: &PerAxis<f64>) -> Vec<Vec<Vec<f64>>> {
+    let (campaign, volume, layout) = (start.campaign, start.volume(), start.model.layout);
     let evidence = &campaign.angles.evidence;
     let of_axis = |axis: Axis| {
         let rotation = Rotation { about: axis, along: axis };
