@@ -140,7 +140,6 @@ impl ErrorModel {
 
     fn of(job: &Job, table: &ErrorTable, deviations: bool) -> Result<ErrorModel, Problems> {
         let mut problems = Problems::none();
-        let ranges = PerAxis::from_fn(|axis| measured_range(table.series(axis)));
         measured::check_places(job, table, &mut problems);
         let terms = PerTerm::from_fn(|term| measured_term(job, table, term));
         let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
@@ -151,13 +150,17 @@ impl ErrorModel {
         let sizes: Vec<(ErrorTerm, f64)> = terms.iter().filter_map(size).collect();
         measured::refuse_unlikely(job, table, &sizes, &mut problems);
         let rotations = measured::rotations(job, table);
-        let (said, laser_ppm) = (&table.remarks, job.measurement.uncertainty.laser_ppm);
-        let mut zeros =
-            [&said.largest, &said.measured].into_iter().flatten().map(|most| &most.zero);
+        let mut remarks = table.remarks.clone();
+        remarks.doubtful = with_periods(job, remarks.doubtful);
+        let mut zeros = remarks.largest.iter().chain(&remarks.measured).map(|most| &most.zero);
         let other = zeros.clone().find(|own| **own != zero(job)).cloned();
         // What is anew has no zero of its own.
-        let is_own = other.is_none() && zeros.next().is_some();
-        let other = other.map(|zero| ModelFinding::OtherReference { zero });
+        if other.is_some() || zeros.next().is_none() {
+            (remarks.largest, remarks.measured) = (None, None);
+            (remarks.anew, remarks.same_laser) = (None, None);
+        }
+        let other = other.map(|zero| Finding::from(ModelFinding::OtherReference { zero }));
+        let laser_ppm = job.measurement.uncertainty.laser_ppm;
         let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
         let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
         if nothing && problems.is_empty() {
@@ -168,21 +171,11 @@ impl ErrorModel {
             without_squareness: Vec::new(),
             known_squareness: Vec::new(),
             rotations,
-            ranges,
+            ranges: PerAxis::from_fn(|axis| measured_range(table.series(axis))),
             laser_um_per_m: beside_table(job, laser_ppm).unwrap_or(0.0),
             headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
-            unused: measured::not_compensated(table)
-                .into_iter()
-                .chain(other.map(Finding::from))
-                .collect(),
-            remarks: Remarks {
-                largest: said.largest.clone().filter(|_| is_own),
-                doubtful: with_periods(job, said.doubtful.as_ref()),
-                measured: said.measured.clone().filter(|_| is_own),
-                anew: said.anew.clone().filter(|_| is_own),
-                same_laser: said.same_laser.clone().filter(|_| is_own),
-                ..said.clone()
-            },
+            unused: measured::not_compensated(table).into_iter().chain(other).collect(),
+            remarks,
         };
         model.know_separated(table);
         model.add_squareness(job, &mut problems);
@@ -313,9 +306,9 @@ fn points(
 }
 
 /// What may be off beside every uncertainty, with what the job states of errors between the targets.
-fn with_periods(job: &Job, doubtful: Option<&Sizes>) -> Option<Sizes> {
+fn with_periods(job: &Job, doubtful: Option<Sizes>) -> Option<Sizes> {
     let between = job.measurement.uncertainty.between();
-    let own = doubtful.cloned().or((between.all_um() > 0.0).then(Sizes::default))?;
+    let own = doubtful.or((between.all_um() > 0.0).then(Sizes::default))?;
     Some(own.joined(&between, |own, between| own + between))
 }
 

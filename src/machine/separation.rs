@@ -49,7 +49,7 @@ use self::curves::Curve;
 use self::exchange::names;
 use self::linear::Model;
 pub use self::linear::{Part, Uncertainty};
-use self::metric::{Agreement, Metric};
+use self::metric::{Agreement, LineCheck, Metric};
 use self::readings::{Noise, NoiseSource, ReadingPlace};
 use self::reversal::{Turn, contradictions, hidden_reversal_um, ran_over};
 pub use self::solved::{NineErrors, SeparatedError};
@@ -252,8 +252,9 @@ fn anomalies(
     let roll = roll.flat_map(|ramps| rolls(start, &ramps.beyond_um));
     let refuted = agreement.filter(|agreement| agreement.contradiction.is_some());
     let refuted = refuted.map(|agreement| {
-        let by = agreement.false_by_um_per_m.iter().enumerate().filter(|(_, by)| **by > 0.0);
-        by.map(|(index, by)| single(layout.neglected(index), *by)).collect()
+        let equations = agreement.diagonals.iter().chain(&agreement.lines).enumerate();
+        let by = |(at, one): (usize, &LineCheck)| Some((at, one.false_by_um_per_m()?));
+        equations.filter_map(by).map(|(at, by)| single(layout.neglected(at), by)).collect()
     });
     disturbed.chain(roll).chain(refuted).collect()
 }

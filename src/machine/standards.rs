@@ -6,8 +6,7 @@
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
 use crate::inputs::target_runs::Runs;
-use crate::machine::separation::curves::ends;
-use crate::quantity::{Direction, Figure};
+use crate::quantity::{Direction, Figure, ends};
 use crate::text::words;
 use serde::{Serialize, Serializer};
 
@@ -134,7 +133,8 @@ fn largest(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 
 /// Largest minus smallest of some values; `None` of none.
 fn range(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    ends(values.into_iter()).map(|(low, high)| high - low)
+    let (low, high) = ends(values.into_iter());
+    (low <= high).then_some(high - low)
 }
 
 /// A length in mm without zeros at its end.

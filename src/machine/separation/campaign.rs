@@ -121,7 +121,7 @@ pub(super) struct Start<'a> {
 impl<'a> Start<'a> {
     pub(super) fn new(campaign: &'a Campaign<'a>, raw_runs: &[Run]) -> Start<'a> {
         let material = campaign.measurement.material;
-        let material = material.map(|material| recorded(&material, raw_runs));
+        let material = material.map(|material| recorded(material, raw_runs));
         Start::of(campaign, corrected(campaign, raw_runs.to_vec()), material)
     }
 
@@ -294,8 +294,8 @@ pub fn campaign<'a>(
             continue;
         };
         lines.push(line);
-        let known = reversals[linear.axis].take();
-        reversals[linear.axis] = known.or_else(|| reversal(&ways));
+        let known = &mut reversals[linear.axis];
+        *known = known.take().or_else(|| reversal(&ways));
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = tables.angles.as_ref().map(|table| angles(job, measurement, table));

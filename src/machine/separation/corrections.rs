@@ -3,7 +3,7 @@
 
 use super::curves::{at, mean};
 use crate::inputs::error_table::{ErrorTable, Kind, Series};
-use crate::inputs::job::{AxisMaterial, DiagonalMeasurement, Levers, Material, Reflector};
+use crate::inputs::job::{DiagonalMeasurement, Levers, Material, Reflector};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
     Axis, Chain, Diagonal, Direction, Pass, PathKind, PerAxis, PerDiagonal, Rotation, Run, Volume,
@@ -39,21 +39,15 @@ pub(crate) fn expansion_um(
 }
 
 /// The material with the mean of the recorded temperatures where the readings carry their own.
-pub fn recorded(material: &Material, runs: &[Run]) -> Material {
-    let mean = |axis: Axis| {
+pub(super) fn recorded(mut material: Material, runs: &[Run]) -> Material {
+    for axis in Axis::ALL {
         let recorded = runs.iter().filter_map(|run| run.temperatures_c[axis].as_ref());
         let mut all = recorded.flatten().copied().peekable();
-        all.peek().is_some().then(|| mean(all))
-    };
-    Material {
-        axes: PerAxis::from_fn(|axis| {
-            material.axes[axis].map(|known| AxisMaterial {
-                temperature_c: mean(axis).or(known.temperature_c),
-                ..known
-            })
-        }),
-        ..*material
+        if let (Some(known), Some(_)) = (&mut material.axes[axis], all.peek()) {
+            known.temperature_c = Some(mean(all));
+        }
     }
+    material
 }
 
 /// What rotations of the axes do to the readings along a diagonal, µm, by node; `at`: [`displaced`] at a place, mm.

@@ -1,6 +1,6 @@
 //! Curves, and the reference lines of ISO 230-1 that their slopes and straightness refer to.
 
-use crate::quantity::{Axis, Diagonal, Millimetres, Volume};
+use crate::quantity::{Axis, Diagonal, Millimetres, Volume, ends};
 
 /// Values of one curve at the n + 1 interval ends of its moving axis, lowest first; µm, the
 /// first is 0.
@@ -78,13 +78,8 @@ pub(in crate::machine) fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Max − min; 0 of nothing.
 pub fn range(values: impl Iterator<Item = f64>) -> f64 {
-    ends(values).map_or(0.0, |(low, high)| high - low)
-}
-
-/// The smallest and the largest value; `None` of nothing.
-pub(in crate::machine) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    let pairs = values.map(|value| (value, value));
-    pairs.reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
+    let (low, high) = ends(values);
+    if low < high { high - low } else { 0.0 }
 }
 
 #[cfg(test)]

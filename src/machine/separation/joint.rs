@@ -17,7 +17,7 @@ mod outlook;
 pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::Separation;
 use super::curves::{Curve, range};
-use super::linear::{CurveRows, Row};
+use super::linear::CurveRows;
 use super::readings::{Noise, student};
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
@@ -44,13 +44,6 @@ struct TableCurve {
     zero: (usize, f64),
 }
 
-/// A pass along a diagonal: what is along the beam at the end of each cell, by the values of a table.
-struct TableWalk {
-    diagonal: Diagonal,
-    pass: Pass,
-    cells: Vec<Row>,
-}
-
 /// The curves of a table, to be drawn. All their values stand in one list, curve after curve, zero at the reference.
 pub(super) struct Table<'a> {
     of: &'a Separation,
@@ -61,7 +54,6 @@ pub(super) struct Table<'a> {
     by_cause: Vec<Vec<f64>>,
     /// The cause that another measurement with the same laser repeats.
     laser: Option<usize>,
-    walks: Vec<TableWalk>,
 }
 
 impl Table<'_> {
@@ -129,14 +121,13 @@ impl Table<'_> {
     fn ranges_at_most(&self) -> PerDiagonal<f64> {
         let (model, times) = (&self.of.model, student(CONFIDENCE, self.freedom()));
         let mut ranges = PerDiagonal::default();
-        for walk in &self.walks {
-            let along: Curve = walk.along(&self.um).collect();
-            let at = |step: usize| model.layout.reading(walk.pass, walk.diagonal, 3 * step);
+        for (d, pass) in self.walks() {
+            let along = self.along(d, pass, &self.um);
+            let at = |step: usize| model.layout.reading(pass, d, 3 * step);
             for (i, low) in along.iter().enumerate() {
                 for (j, high) in along.iter().enumerate().skip(i + 1) {
                     let u = model.u_of_difference(at(i), at(j));
-                    let range = &mut ranges[walk.diagonal];
-                    *range = larger(*range, (high - low).abs() + times * u);
+                    ranges[d] = larger(ranges[d], (high - low).abs() + times * u);
                 }
             }
         }
@@ -206,28 +197,10 @@ impl<'a> Table<'a> {
                 });
             }
         }
-        let walk = |diagonal: Diagonal, pass: Pass| {
-            let laser = of.volume.laser(diagonal);
-            let is_on_it = |curve: &TableCurve| {
-                curve.way.is_none_or(|way| way == diagonal.travelled(curve.term.along, pass))
-            };
-            let cell = |step: usize| {
-                let own = curves.iter().enumerate().filter(|(_, curve)| is_on_it(curve));
-                let share = |(index, curve): (usize, &TableCurve)| {
-                    let is_up = diagonal.forward(curve.term.along) == Direction::Plus;
-                    let at = if is_up { step } else { of.volume.steps - step };
-                    (index * (of.volume.steps + 1) + at, laser[curve.term.of])
-                };
-                Row(own.map(share).collect())
-            };
-            TableWalk { diagonal, pass, cells: (0..=of.volume.steps).map(cell).collect() }
-        };
-        let passes = Pass::BOTH.into_iter().take(of.model.layout.passes);
-        let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| walk(d, pass))).collect();
         let by_cause = of.model.causes.iter().map(|of| moved_by(&curves, &of.column)).collect();
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
         let um = beside_reference(&curves, &um, -1.0);
-        Table { of, um, by_cause, laser, curves, walks }
+        Table { of, um, by_cause, laser, curves }
     }
 
     fn nothing(&self) -> Vec<f64> {
@@ -309,21 +282,36 @@ impl<'a> Table<'a> {
     /// max − min along each diagonal.
     fn ranges(&self, values: &[f64]) -> PerDiagonal<f64> {
         let mut ranges = PerDiagonal::default();
-        for walk in &self.walks {
-            ranges[walk.diagonal] = larger(ranges[walk.diagonal], range(walk.along(values)));
+        for (d, pass) in self.walks() {
+            ranges[d] = larger(ranges[d], range(self.along(d, pass, values).into_iter()));
         }
         ranges
     }
 
+    /// The passes that were walked.
+    fn walks(&self) -> impl Iterator<Item = (Diagonal, Pass)> {
+        let passes = Pass::BOTH.into_iter().take(self.of.model.layout.passes);
+        passes.flat_map(|pass| Diagonal::ALL.map(|d| (d, pass)))
+    }
+
+    /// What these values make along the beam at the end of each cell.
+    fn along(&self, d: Diagonal, pass: Pass, values: &[f64]) -> Curve {
+        let (laser, last) = (self.of.volume.laser(d), self.of.volume.steps);
+        let mut along = vec![0.0; self.points()];
+        for (index, TableCurve { term, way, .. }) in self.curves.iter().enumerate() {
+            if way.is_none_or(|way| way == d.travelled(term.along, pass)) {
+                let (is_up, own) = (d.sign(term.along) > 0.0, self.curve(values, index));
+                let ends = along.iter_mut().enumerate();
+                ends.for_each(|(at, um)| {
+                    *um += laser[term.of] * own[if is_up { at } else { last - at }];
+                });
+            }
+        }
+        along
+    }
+
     fn sizes(&self, values: &[f64]) -> Sizes {
         Sizes { terms: self.terms(values, 0.0, values), diagonals: self.ranges(values) }
-    }
-}
-
-impl TableWalk {
-    /// What these values make along the pass, by cell.
-    fn along(&self, values: &[f64]) -> impl Iterator<Item = f64> {
-        self.cells.iter().map(|cell| cell.dot(values))
     }
 }
 

@@ -1,12 +1,12 @@
 //! What a result rests on: what is assumed of the readings, and what their uncertainty holds.
 
 use super::campaign::{Estimate, LinearReversals, Start};
-use super::curves::{ends, noise_gain};
+use super::curves::noise_gain;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::machine::findings::SeparationFinding as Found;
-use crate::quantity::{Axis, Figure, PerAxis, Plane, Squared, rounded};
+use crate::quantity::{Axis, Figure, PerAxis, Plane, Squared, ends, rounded};
 use crate::text::{Finding, joined};
 
 /// Of step runs.
@@ -105,7 +105,7 @@ fn by_plane(words: impl Fn(Plane) -> String) -> String {
 /// Where the reversals of single axes come from and what they leave open; `None` without any.
 pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Found> {
     let known = |(axis, reversal): (Axis, &Option<Vec<Estimate>>)| {
-        let (low, high) = ends(reversal.as_ref()?.iter().map(|b| b.um))?;
+        let (low, high) = ends(reversal.as_ref()?.iter().map(|b| b.um));
         Some(format!("{axis} {:+.3} to {:+.3}", Figure(low), Figure(high)))
     };
     let found = joined(reversals.iter().filter_map(known));

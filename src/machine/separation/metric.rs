@@ -307,46 +307,32 @@ impl Equations {
         let neglected = (3.0 * largest.squared() * UM_PER_M).max(NEGLECTED_UM_PER_M).squared();
         let variance = |one: &Equation| if one.known { one.own.max(neglected) } else { neglected };
         let chi_squared = self.solved(|one| one.direction, variance)?.chi_squared;
-        let check = |(index, one): (usize, &Equation)| {
+        let check = |index: usize| {
             let mut rest = self.all.clone();
-            rest.remove(index);
+            let one = rest.remove(index);
             let shared = self.shared.clone().remove_row(index).remove_column(index);
             let (rest, row) = (Equations::of(rest, shared), products(&one.direction));
             // Whether the slope along the direction is determined.
             let holds = rest.open.tr_mul(&row).norm() < SHARE_TOLERANCE * row.norm();
             let found = holds.then(|| rest.solved(|one| one.direction, variance)).flatten();
-            let others = found.map(|found| {
-                let u = (variance(one) + row.dot(&(&found.spread * row))).sqrt();
-                (row.dot(&found.unknowns), u)
-            });
+            let by_others = found.as_ref().map(|found| row.dot(&found.unknowns));
+            let square = |found: Solution| variance(&one) + row.dot(&(&found.spread * row));
             LineCheck {
                 name: name(&one.direction),
                 stated_um_per_m: one.value,
-                by_others_um_per_m: others.map(|(found, _)| found),
-                difference_um_per_m: others.map(|(found, _)| one.value - found),
-                u_difference_um_per_m: others.map(|(_, u)| u),
+                by_others_um_per_m: by_others,
+                difference_um_per_m: by_others.map(|found| one.value - found),
+                u_difference_um_per_m: found.map(|found| square(found).sqrt()),
             }
         };
-        let mut lines: Vec<LineCheck> = self.all.iter().enumerate().map(check).collect();
-        let false_by = |line: &LineCheck| {
-            let by = line.difference_um_per_m.zip(line.u_difference_um_per_m);
-            by.map_or(0.0, |(by, u)| (by.abs() - NORMAL_ONE_SIDED * u).max(0.0))
-        };
-        let false_by_um_per_m = lines.iter().map(false_by).collect();
+        let mut diagonals: Vec<LineCheck> = (0..self.all.len()).map(check).collect();
+        let lines = diagonals.split_off(DIAGONALS);
         let known = self.all[..DIAGONALS].iter().all(|one| one.known);
-        let lines = lines.split_off(DIAGONALS);
         let probability = chance_of(chi_squared, freedom, None).filter(|_| known);
         let taken_as_exact = self.all[DIAGONALS..].iter().any(|line| !line.known);
         let refuted = probability.filter(|p| *p < SMALL_PROBABILITY);
         let contradiction = refuted.map(|_| contradiction(&lines, taken_as_exact));
-        Some(Agreement {
-            chi_squared,
-            freedom,
-            probability,
-            contradiction,
-            lines,
-            false_by_um_per_m,
-        })
+        Some(Agreement { chi_squared, freedom, probability, contradiction, lines, diagonals })
     }
 }
 
@@ -384,6 +370,13 @@ impl LineCheck {
     pub fn ratio(&self) -> Option<f64> {
         Some(self.difference_um_per_m? / self.u_difference_um_per_m?)
     }
+
+    /// By how much it may be false if it alone is, µm/m.
+    pub(super) fn false_by_um_per_m(&self) -> Option<f64> {
+        let beyond =
+            self.difference_um_per_m?.abs() - NORMAL_ONE_SIDED * self.u_difference_um_per_m?;
+        (beyond > 0.0).then_some(beyond)
+    }
 }
 
 fn name(direction: &PerAxis<f64>) -> String {
@@ -411,9 +404,9 @@ pub struct Agreement {
     pub contradiction: Option<Finding>,
     /// The lines, in the order of the job.
     pub lines: Vec<LineCheck>,
-    /// By how much each equation may be false if it alone is: the diagonals, then the lines, µm/m.
+    /// The diagonals, likewise.
     #[serde(skip)]
-    pub(super) false_by_um_per_m: Vec<f64>,
+    pub(super) diagonals: Vec<LineCheck>,
 }
 
 /// What contradicts each other; `taken_as_exact`: whether a line's uncertainty is not known.

@@ -68,17 +68,15 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
 pub fn remarks(separation: &Separation) -> Remarks {
     let missing = separation.missing();
     // The reversal is no term of its own.
-    let (other, open): (Vec<&Finding>, Vec<&Finding>) =
-        separation.undetermined.iter().partition(|finding| {
-            let reversal = matches!(finding.kind(), Some(SeparationFinding::OpenReversal { .. }));
-            reversal || missing.is_empty()
-        });
-    let why = open.iter().map(ToString::to_string);
-    let why = why.collect::<Vec<_>>().join("; ");
-    let open = |finding: &&Finding| SeparationFinding::StillOpen { what: (*finding).clone() };
-    let other = other.iter().map(open).map(Finding::from);
+    let is_other = |found: &Finding| {
+        missing.is_empty() || matches!(found.kind(), Some(SeparationFinding::OpenReversal { .. }))
+    };
+    let undetermined = separation.undetermined.iter().cloned();
+    let (other, open): (Vec<_>, Vec<_>) = undetermined.partition(is_other);
+    let why = open.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    let other = other.into_iter().map(|what| SeparationFinding::StillOpen { what }.into());
     let evidence = &separation.model.evidence;
-    let lines = evidence.has_angles().then_some(evidence.origin);
+    let lines = || PerAxis::from_fn(|axis| Millimetres::new(evidence.origin[axis]));
     let mut labels = separation.labels.clone();
     labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first
     let notes = other.chain(labels).collect();
@@ -89,7 +87,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         silence: separation.silence.clone(),
         frame: Some(separation.frame),
-        lines: lines.map(|lines| PerAxis::from_fn(|axis| Millimetres::new(lines[axis]))),
+        lines: evidence.has_angles().then(lines),
         notes,
         ..Remarks::default()
     }

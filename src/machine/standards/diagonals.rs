@@ -17,24 +17,7 @@ pub(crate) fn repeatability_um(runs: &[Run], diagonal: Diagonal, pass: Pass) -> 
     iso_230_2::figures(&runs.ok()?).axis.r.up_um
 }
 
-/// Runs of one diagonal over its cell ends (step) or nodes (straight) as runs of a standard's test; up =
-/// forward.
-fn diagonal_runs(
-    volume: &Volume,
-    kind: PathKind,
-    diagonal: Diagonal,
-    runs: &[Run],
-) -> Result<Runs, Problem> {
-    let nodes = (0..=volume.last_node(kind)).step_by(spacing(kind));
-    let targets = nodes.map(|node| volume.nominal_mm(diagonal, kind, node));
-    let [up, down] = Pass::BOTH.map(|pass| {
-        let nodes = by_node(runs, diagonal, pass)?.into_iter();
-        Some(nodes.step_by(spacing(kind)).collect())
-    });
-    Runs::new(targets.collect(), up, down)
-}
-
-/// Figures of the body diagonals by standard. `runs`: only those that count from the start of the forward run, or the two directions
+/// Figures of the body diagonals by standard, over cell ends (step) or nodes (straight); up = forward. `runs`: only those that count from the start of the forward run, or the two directions
 /// cannot be compared; `length_is_known`: whether somebody knows the size of the box.
 pub(crate) fn by_standard(
     volume: &Volume,
@@ -42,9 +25,16 @@ pub(crate) fn by_standard(
     runs: &[Run],
     length_is_known: bool,
 ) -> Result<Diagonals, Problem> {
-    let each = Diagonal::ALL.into_iter();
-    let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
-    let runs = each.collect::<Result<Vec<_>, Problem>>()?;
+    let of = |d: Diagonal| {
+        let nodes = (0..=volume.last_node(kind)).step_by(spacing(kind));
+        let targets = nodes.map(|node| volume.nominal_mm(d, kind, node));
+        let [up, down] = Pass::BOTH.map(|pass| {
+            let nodes = by_node(runs, d, pass)?.into_iter();
+            Some(nodes.step_by(spacing(kind)).collect())
+        });
+        Ok((d.name(), Runs::new(targets.collect(), up, down)?))
+    };
+    let runs = Diagonal::ALL.into_iter().map(of).collect::<Result<Vec<_>, Problem>>()?;
     let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
     Ok(diagonal(&named, kind, length_is_known))
 }
@@ -148,26 +138,23 @@ fn conditions(
     kind: PathKind,
     length_is_known: bool,
 ) -> Vec<Condition> {
-    let targets = diagonals.iter().map(|(name, runs)| {
+    let targets = diagonals.iter().filter_map(|(name, runs)| {
         let travel = Travel::of(runs, None).ok().filter(|_| length_is_known)?;
         Some((*name, iso_230_2::number_of_targets(runs, travel)))
     });
-    let targets: Option<Vec<(&str, Condition)>> = targets.collect();
     let likely = |asked: &str, found: &str, met| Condition::likely(&EDITION, asked, found, met);
     // A condition that every diagonal has to meet; what is said is that of the first that does not.
-    let of_all = |asked: &str, each: Vec<(&str, Condition)>| {
+    let of_all = |asked: &str, unknown: &str, each: Vec<(&str, Condition)>| {
         let missed = each.iter().find(|(_, of)| of.met == Met::No);
         match (missed, each.first()) {
             (Some((name, of)), _) => likely(asked, &format!("{name}: {}", of.found), Met::No),
             (None, Some((_, of))) => likely(asked, &of.found, Met::Yes),
-            (None, None) => likely(asked, "", Met::NotTested),
+            (None, None) => likely(asked, unknown, Met::NotTested),
         }
     };
     let straight = kind == PathKind::Straight;
     let names: Vec<&str> = diagonals.iter().map(|(name, _)| *name).collect();
     let directions = diagonals.iter().map(|(name, runs)| (*name, iso_230_2::directions(runs)));
-    let unknown = "the length of the diagonals is not known";
-    let asked = "targets as in ISO 230-2: five per metre and at least five";
     let runs = diagonals.first().map_or_else(String::new, |(_, runs)| iso_230_2::runs_words(runs));
     vec![
         likely(
@@ -180,11 +167,12 @@ fn conditions(
             &names.join(", "),
             Met::of(diagonals.len() == Diagonal::ALL.len()),
         ),
-        targets.map_or_else(
-            || likely(asked, unknown, Met::NotTested),
-            |targets| of_all(asked, targets),
+        of_all(
+            "targets as in ISO 230-2: five per metre and at least five",
+            "the length of the diagonals is not known",
+            targets.collect(),
         ),
-        of_all("approach in both directions", directions.collect()),
+        of_all("approach in both directions", "", directions.collect()),
         likely(
             "number of runs, whether R and A are reported: to be looked up in the standard",
             &runs,

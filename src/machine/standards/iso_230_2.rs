@@ -232,11 +232,6 @@ impl Travel {
         }
     }
 
-    /// Its length, mm.
-    pub const fn mm(self) -> f64 {
-        self.mm
-    }
-
     /// The travel that was stated, mm.
     pub(crate) fn stated_mm(self) -> Option<f64> {
         self.stated.then_some(self.mm)
@@ -324,7 +319,7 @@ fn long(runs: &Runs) -> Vec<Condition> {
 
 /// Five targets per metre and at least five.
 pub(super) fn number_of_targets(runs: &Runs, travel: Travel) -> Condition {
-    let asked = (TARGETS_PER_METRE * travel.mm() / 1000.0).ceil().max(FEWEST_TARGETS);
+    let asked = (TARGETS_PER_METRE * travel.mm / 1000.0).ceil().max(FEWEST_TARGETS);
     let found = runs.targets_mm().len();
     likely(
         format!("up to 2 m: five targets per metre, at least five; here {asked} or more"),
@@ -355,7 +350,7 @@ fn mean_distance(runs: &Runs) -> f64 {
 fn spread(runs: &Runs, travel: Travel) -> Condition {
     let mean = mean_distance(runs);
     let largest = distances(runs).into_iter().fold(0.0, f64::max);
-    let beyond = travel.mm() - runs.length_mm();
+    let beyond = travel.mm - runs.length_mm();
     let mut found = format!("largest gap {largest:.1} mm, mean distance {mean:.1} mm");
     if travel.stated {
         found += &format!(", {beyond:.1} mm of travel beyond the targets");
