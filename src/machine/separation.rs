@@ -56,7 +56,7 @@ pub use self::solved::{NineErrors, SeparatedError};
 use self::solved::{Solved, Tilt};
 use self::uncertainty::{of_length_ppm, rolls};
 use crate::inputs::error_table::Silence;
-use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
+use crate::inputs::job::{Frame, Material, SetUp, StatedUncertainty};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,
@@ -371,11 +371,11 @@ impl Instrument {
     /// formula  u² = 2σ²/(2r L²) + scale²: the mean of both directions at both ends
     pub(crate) fn of_slope_um_per_m(
         self,
-        measurement: &DiagonalMeasurement,
+        (volume, material): (&Volume, Option<Material>),
         axis: Axis,
         runs: u32,
     ) -> f64 {
-        let ends = 1000.0 * self.of_mean_um(runs) / measurement.volume.size[axis].mm();
-        ends.hypot(of_length_ppm(self.stated, measurement.material, axis))
+        let ends = 1000.0 * self.of_mean_um(runs) / volume.size[axis].mm();
+        ends.hypot(of_length_ppm(self.stated, material, axis))
     }
 }

@@ -237,9 +237,8 @@ impl<'a> Design<'a> {
     /// Standard uncertainty of the slope of an axis that is measured beside a variant, µm/m.
     pub(super) fn of_line(&self, axis: Axis, variant: &Variant) -> f64 {
         let runs = variant.run.along(axis).runs;
-        let measurement =
-            DiagonalMeasurement { volume: variant.run.volume.clone(), ..self.measurement.clone() };
-        self.instrument.of_slope_um_per_m(&measurement, axis, runs)
+        let box_of = (&variant.run.volume, self.measurement.material);
+        self.instrument.of_slope_um_per_m(box_of, axis, runs)
     }
 
     /// The job as if this had been measured.
