@@ -25,7 +25,7 @@ use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, measured_range};
 use crate::inputs::error_table::{Cause, ErrorTable, Heading, Kind, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
-use crate::machine::separation::curves::{ReferenceLine, range};
+use crate::machine::separation::curves::{ReferenceLine, mean, range};
 use crate::machine::separation::joint::zero;
 use crate::quantity::{
     AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerTerm,
@@ -89,16 +89,13 @@ impl MeasuredTerm {
             return None;
         };
         let difference = plus.difference(minus)?;
-        let knots = difference.knots();
-        let sum: f64 = knots.iter().map(|at| difference.at(*at).um()).sum();
-        let count = knots.len() as f64;
-        Some(Deviation::from_um(sum / count))
+        let um = difference.knots().iter().map(|at| difference.at(*at).um());
+        Some(Deviation::from_um(mean(um)))
     }
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
     pub(crate) fn end_point_slope_um_per_m(&self) -> f64 {
-        let slopes: Vec<f64> = self.curves().map(ErrorCurve::end_point_slope_um_per_m).collect();
-        slopes.iter().sum::<f64>() / slopes.len() as f64
+        mean(self.curves().map(ErrorCurve::end_point_slope_um_per_m))
     }
 }
 

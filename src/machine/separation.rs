@@ -38,12 +38,13 @@ pub mod monte_carlo;
 pub mod readings;
 pub mod reversal;
 pub mod solved;
+mod start;
 pub mod straight;
 pub mod table;
 mod uncertainty;
 
 pub use self::campaign::{Campaign, MeasuredLine};
-use self::campaign::{Estimate, LinearReversals, Start};
+use self::campaign::{Estimate, LinearReversals};
 use self::closure::{Closure, Patterns, closure, large_noise};
 use self::curves::Curve;
 use self::exchange::names;
@@ -54,7 +55,8 @@ use self::readings::{Noise, NoiseSource, ReadingPlace};
 use self::reversal::{Turn, contradictions, hidden_reversal_um, ran_over};
 pub use self::solved::{NineErrors, SeparatedError};
 use self::solved::{Solved, Tilt};
-use self::uncertainty::{of_length_ppm, rolls};
+use self::start::Start;
+use self::uncertainty::of_length_ppm;
 use crate::inputs::error_table::Silence;
 use crate::inputs::job::{Frame, Material, SetUp, StatedUncertainty};
 use crate::machine::findings::SeparationFinding;
@@ -249,7 +251,7 @@ fn anomalies(
         places.map(|place| single(place, outlier.of_mean_um)).collect()
     });
     let roll = closure.ramps.iter().filter(|ramps| ramps.roll);
-    let roll = roll.flat_map(|ramps| rolls(start, &ramps.beyond_um));
+    let roll = roll.flat_map(|ramps| start.rolls(&ramps.beyond_um));
     let refuted = agreement.filter(|agreement| agreement.contradiction.is_some());
     let refuted = refuted.map(|agreement| {
         let equations = agreement.diagonals.iter().chain(&agreement.lines).enumerate();

@@ -17,13 +17,13 @@
 //! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
 //! are judged with those readings left out, so that no reading makes a ramp.
 
-use super::campaign::Start;
 use super::curves::{mean, noise_gain};
 use super::linear::{Banded, Layout, Model, Row};
 use super::readings::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, NoiseSource, Outlier,
     ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out, student, tails,
 };
+use super::start::Start;
 use crate::machine::findings::SeparationFinding as Found;
 use crate::quantity::{Axis, PerAxis, Squared, Volume};
 use crate::text::Finding;

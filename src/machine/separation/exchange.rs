@@ -24,9 +24,9 @@
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
-use super::campaign::{Start, corrected};
 use super::closure::{Closure, Patterns, closure};
 use super::readings::{DIGIT_UM, Outlier, UNRESOLVED_UM, float, means, walks};
+use super::start::{Start, corrected};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, Diagonal, PerDiagonal, Run, Squared};
 use crate::text::{Finding, joined};
@@ -112,16 +112,16 @@ struct Trial<'a> {
     sigma_um: Option<f64>,
 }
 
-/// The readings under some names, and which of them are disturbed.
-fn renamed<'a>(start: &Start<'a>, raw_runs: &[Run], naming: &Naming) -> Start<'a> {
+/// Gives the readings of a start these names, and the disturbed ones among them.
+fn rename(other: &mut Start<'_>, (start, raw_runs): (&Start<'_>, &[Run]), naming: &Naming) {
     let runs = raw_runs.iter().map(|run| Run { diagonal: naming.0[run.diagonal], ..run.clone() });
-    let (mut z, counts) = means(walks(&corrected(start.campaign, runs.collect())));
-    z.extend(&start.z[counts.len()..]);
-    let mut outliers = start.outliers.clone();
-    for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
+    let (readings, counts) = means(walks(&corrected(start.campaign, runs.collect())));
+    other.z[..readings.len()].copy_from_slice(&readings);
+    other.counts = counts;
+    other.outliers.clone_from(&start.outliers);
+    for place in other.outliers.iter_mut().flat_map(|o| &mut o.readings) {
         place.diagonal = naming.0[place.diagonal];
     }
-    Start { z, counts, outliers, ..start.clone() }
 }
 
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
@@ -141,15 +141,15 @@ pub(super) fn names(
     // to no other name.
     patterns.restart(&start.outliers, &start.model);
     let (mut others, freedom) = (Vec::new(), float(patterns.scatter().1));
-    let mut last = start.clone();
+    let mut other = start.clone();
     for naming in Naming::all() {
-        let other = renamed(start, raw_runs, &naming);
-        if (&other.counts, &other.outliers) != (&last.counts, &last.outliers) {
+        let shared = (other.counts.clone(), other.outliers.clone());
+        rename(&mut other, (start, raw_runs), &naming);
+        if (&other.counts, &other.outliers) != (&shared.0, &shared.1) {
             patterns = Patterns::new(&other)?;
             patterns.restart(&other.outliers, &start.model);
         }
         others.push((naming, patterns.square_of(&other.z)));
-        last = other;
     }
     let (recorded, intervals) = (others.remove(0).1, start.volume().steps_f64() - 1.0);
     let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
@@ -194,7 +194,8 @@ impl Trial<'_> {
         if !seen || gain <= self.margin(*best) {
             return None;
         }
-        let mut other = renamed(self.start, self.raw_runs, naming);
+        let mut other = self.start.clone();
+        rename(&mut other, (self.start, self.raw_runs), naming);
         other.model.angles.clear();
         let (after, _) = closure(&other);
         let leaves_doubts = !after.doubts(other.volume(), None).is_empty();

@@ -66,8 +66,13 @@ impl Table<'_> {
         }
         let angles = &self.of.model.angles;
         let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
-        let (mut drawn, lasers): (Vec<Vec<f64>>, Vec<f64>) =
-            (0..DRAWS).map(|number| self.anew(number)).unzip();
+        // What another measurement does not repeat; how many times the laser acts that it repeats.
+        let anew = |number| {
+            let mut random = random(number);
+            let noise = self.estimate(&mut random);
+            self.drawn(noise, &mut random)
+        };
+        let (mut drawn, lasers): (Vec<Vec<f64>>, Vec<f64>) = (0..DRAWS).map(anew).unzip();
         let mut squares = self.nothing();
         for anew in &drawn {
             squares.iter_mut().zip(anew).for_each(|(sum, um)| *sum += um.squared());
@@ -146,30 +151,13 @@ impl Table<'_> {
     /// all anomalies added; `None` where nothing speaks against it.
     fn doubtful(&self) -> Option<Sizes> {
         let worst = |causes: &Vec<Vec<f64>>| {
-            let sizes = causes.iter().map(|z| self.sizes(&moved_by(&self.curves, z)));
+            let sizes = causes.iter().map(|z| self.sizes(&self.moved_by(z)));
             sizes.fold(Sizes::default(), |worst, own| worst.joined(&own, larger))
         };
         let each = self.of.anomalies.iter().map(worst);
         let all = each.fold(Sizes::default(), |all, own| all.joined(&own, |all, own| all + own));
         (all.all_um().max(all.ranges_um()) > 0.0).then_some(all)
     }
-}
-
-/// The values of curves for these entries of z, less those at the reference.
-fn moved_by(curves: &[TableCurve], z: &[f64]) -> Vec<f64> {
-    let values = curves.iter().flat_map(|curve| curve.rows.values(z, curve.rows.line.dot(z)));
-    beside_reference(curves, &values.collect::<Vec<_>>(), -1.0)
-}
-
-/// All values, each with so many times that at its reference.
-fn beside_reference(curves: &[TableCurve], values: &[f64], times: f64) -> Vec<f64> {
-    let points = values.len() / curves.len().max(1);
-    let beside = |(index, curve): (usize, &TableCurve)| {
-        let (zero, place) = curve.zero;
-        let zero = times * at(&values[zero * points..(zero + 1) * points], place);
-        values[index * points..(index + 1) * points].iter().map(move |um| um + zero)
-    };
-    curves.iter().enumerate().flat_map(beside).collect()
 }
 
 impl<'a> Table<'a> {
@@ -197,10 +185,27 @@ impl<'a> Table<'a> {
                 });
             }
         }
-        let by_cause = of.model.causes.iter().map(|of| moved_by(&curves, &of.column)).collect();
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
-        let um = beside_reference(&curves, &um, -1.0);
-        Table { of, um, by_cause, laser, curves }
+        let mut table = Table { of, um: Vec::new(), by_cause: Vec::new(), laser, curves };
+        table.um = table.beside_reference(&um, -1.0);
+        table.by_cause = of.model.causes.iter().map(|of| table.moved_by(&of.column)).collect();
+        table
+    }
+
+    /// The values for these entries of z, less those at the reference.
+    fn moved_by(&self, z: &[f64]) -> Vec<f64> {
+        let curves = self.curves.iter().map(|curve| &curve.rows);
+        let values = curves.flat_map(|rows| rows.values(z, rows.line.dot(z)));
+        self.beside_reference(&values.collect::<Vec<_>>(), -1.0)
+    }
+
+    /// All values, each with so many times that at its reference.
+    fn beside_reference(&self, values: &[f64], times: f64) -> Vec<f64> {
+        let beside = |(index, curve): (usize, &TableCurve)| {
+            let zero = times * at(self.curve(values, curve.zero.0), curve.zero.1);
+            self.curve(values, index).iter().map(move |um| um + zero)
+        };
+        self.curves.iter().enumerate().flat_map(beside).collect()
     }
 
     fn nothing(&self) -> Vec<f64> {
@@ -230,18 +235,12 @@ impl<'a> Table<'a> {
         estimate.unwrap_or(1.0)
     }
 
-    /// One draw of what another measurement does not repeat; how many times the laser acts that it repeats.
-    fn anew(&self, number: usize) -> (Vec<f64>, f64) {
-        let mut random = random(number);
-        let noise = self.estimate(&mut random);
-        self.drawn(noise, &mut random)
-    }
-
-    /// The same with so many times the noise.
+    /// One draw of what another measurement does not repeat, with so many times the noise; how many times the laser acts
+    /// that it repeats.
     fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<f64>, f64) {
         let (z, mut shares) = self.of.model.draw(noise, random);
         let laser = self.laser.map_or(0.0, |at| std::mem::take(&mut shares[at]));
-        let mut drawn = moved_by(&self.curves, &z);
+        let mut drawn = self.moved_by(&z);
         let causes = shares.iter().zip(&self.by_cause).filter(|(times, _)| **times != 0.0);
         causes.for_each(|(times, part)| add(&mut drawn, *times, part));
         (drawn, laser)

@@ -1,9 +1,10 @@
 //! What a result rests on: what is assumed of the readings, and what their uncertainty holds.
 
-use super::campaign::{Estimate, LinearReversals, Start};
+use super::campaign::{Estimate, LinearReversals};
 use super::curves::noise_gain;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
+use super::start::Start;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::machine::findings::SeparationFinding as Found;
 use crate::quantity::{Axis, Figure, PerAxis, Plane, Squared, ends, rounded};

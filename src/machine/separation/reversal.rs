@@ -30,11 +30,12 @@
 //! ```
 //! The cross terms of that axis hold the mean of both directions: nothing tells their reversal.
 
-use super::campaign::{Estimate, LinearReversals, Start};
+use super::campaign::{Estimate, LinearReversals};
 use super::curves::mean;
 use super::linear::{CurveRows, Row};
 use super::readings::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
 use super::solved::Solved;
+use super::start::Start;
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Squared,

@@ -5,10 +5,11 @@
 //!   figure      = a scale or a squareness: of (7), or of the totals where the set-up is assumed (4)
 //! ```
 
-use super::campaign::{MeasuredLine, Start};
+use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Row, Uncertainty};
 use super::metric::{Agreement, Equation, Equations, Metric, UM_PER_M};
+use super::start::Start;
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, PerPlane, PerTerm, Plane,

@@ -16,13 +16,14 @@
 //! Every run counts from its own start, so a reversal is not part of the test. Correlation
 //! between the points of a table is not known to a table and not included.
 
-use super::campaign::{Campaign, Start};
+use super::campaign::Campaign;
 use super::closure::large_noise;
 use super::curves::at;
 use super::labels;
 use super::linear::Row;
 use super::metric::{Agreement, Equation, Equations, Metric};
 use super::readings::{self, Noise, Outlier, float};
+use super::start::Start;
 use crate::inputs::error_table::{ErrorTable, Kind, Silence};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};

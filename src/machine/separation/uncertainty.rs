@@ -10,16 +10,13 @@
 //! ```
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
-use super::campaign::{Campaign, MeasuredLine, Start};
+use super::campaign::{Campaign, MeasuredLine};
 use super::corrections::{REFERENCE_C, of_rotations};
 use super::linear::{Cause, Layout, Model, Part};
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::{
     Axis, Diagonal, PerAxis, PerDiagonal, Rotation, Squared, URAD_PER_ARCSEC, displaced, unit,
 };
-
-/// A ramp below this share of the readings that make it is their rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// The linear model of the readings, their noise left out; `material`: with the temperatures that were recorded.
 pub(super) fn model(campaign: &Campaign<'_>, material: Option<Material>, layout: Layout) -> Model {
@@ -72,16 +69,14 @@ fn common_um_per_m(stated: StatedUncertainty, material: Option<Material>) -> Vec
         let material = |axis| material.and_then(|material| material.axes[axis]);
         PerAxis::from_fn(|axis| 1e6 * material(axis).and_then(of).unwrap_or(0.0))
     };
-    let alike = |ppm| PerAxis::from_fn(|_| ppm);
-    let of_temperature = |u: f64| strain(&|m| Some(m.alpha_per_k * u));
-    let of_alpha = |u: f64| strain(&|m| Some(u * (m.temperature_c? - REFERENCE_C)));
+    let [u_k, u_per_k] = [stated.temperature_k, stated.alpha_per_k].map(|u| u.unwrap_or(0.0));
     let all = [
-        Some(alike(stated.of_laser_ppm())),
-        stated.temperature_k.map(of_temperature),
-        stated.alpha_per_k.map(of_alpha),
+        PerAxis::from_fn(|_| stated.of_laser_ppm()),
+        strain(&|m| Some(m.alpha_per_k * u_k)),
+        strain(&|m| Some(u_per_k * (m.temperature_c? - REFERENCE_C))),
     ];
     let acts = |strain: &PerAxis<f64>| strain.iter().any(|(_, um_per_m)| um_per_m.abs() > 0.0);
-    all.into_iter().flatten().filter(acts).collect()
+    all.into_iter().filter(acts).collect()
 }
 
 /// Standard uncertainty of a length along an axis by this laser in one set-up, without the noise of
@@ -134,31 +129,9 @@ fn unmeasured(campaign: &Campaign<'_>, layout: Layout, causes: &mut Vec<Cause>) 
     orders.map(&mut of_order).collect()
 }
 
-/// What rolls do to the readings that make ramps of the closure of this size, µm from its first interval to its
-/// last: for each axis, by each order of the axes that may be.
-pub(super) fn rolls(start: &Start<'_>, ramps_um: &PerAxis<f64>) -> Vec<Vec<Vec<f64>>> {
-    let (campaign, volume, layout) = (start.campaign, start.volume(), start.model.layout);
-    let evidence = &campaign.angles.evidence;
-    let of_axis = |axis: Axis| {
-        let rotation = Rotation { about: axis, along: axis };
-        let of_order = |order: &[Axis; 3]| {
-            let [Cause { mut column, .. }, _] =
-                of_rotation(campaign, layout, 1.0, *order, rotation);
-            column[layout.line(0)..].fill(0.0); // the readings alone
-            let w = |at| start.mean(|group| start.closure(group, axis, at)).dot(&column);
-            let ramp = w(volume.steps - 1) - w(0);
-            let share = ramps_um[axis] / ramp;
-            let largest = column.iter().fold(0.0, |most: f64, um| most.max(um.abs()));
-            (ramp.abs() > ROUNDING * largest).then(|| column.iter().map(|um| share * um).collect())
-        };
-        evidence.orders().iter().filter_map(of_order).collect()
-    };
-    Axis::ALL.into_iter().filter(|axis| ramps_um[*axis] > 0.0).map(of_axis).collect()
-}
-
 /// What the straight part and the bow of an angle, each of this size at the ends of the box, µrad, do to the readings,
 /// the same on the way back, and to linear axes and beams.
-fn of_rotation(
+pub(super) fn of_rotation(
     campaign: &Campaign<'_>,
     layout: Layout,
     u_urad: f64,

@@ -10,7 +10,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, at, beside_reference, largest, quantile, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, at, largest, quantile, random, sum};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
@@ -113,7 +113,7 @@ impl Table<'_> {
         model.angles.clear();
         self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
         let own = self.curves.iter().flat_map(|curve| curve.rows.variances(&model));
-        beside_reference(&self.curves, &own.map(of).collect::<Vec<f64>>(), 1.0)
+        self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
     }
 
     /// What was found of each, µm; 0 where nothing was.
