@@ -176,8 +176,7 @@ impl Separation {
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let mut start = Start::new(campaign, raw_runs);
     let (closure, patterns) = judged(&mut start);
-    let recorded = patterns.map(|patterns| (&closure, patterns));
-    let names = recorded.and_then(|recorded| names(&start, raw_runs, recorded));
+    let names = patterns.and_then(|patterns| names(&start, raw_runs, (&closure, patterns)));
     let mut found = evaluated(start, closure);
     // What remains to be said: noise, lines and reversals, the names of the diagonals.
     let turn = found.turn.iter().flat_map(|turn| contradictions(turn, &campaign.reversals));
@@ -265,7 +264,6 @@ fn anomalies(
 fn evaluated(start: Start<'_>, closure: Closure) -> Separation {
     let (campaign, noise) = (start.campaign, start.model.noise);
     let (measurement, turned) = (campaign.measurement, start.turned());
-    let of_noise: Vec<_> = of_noise(&start).map(Finding::from).collect();
     let mut solved = Solved::new(start);
     let agreement = solved.judged();
     let turn = turned.then(|| solved.turn()).flatten();
@@ -287,7 +285,7 @@ fn evaluated(start: Start<'_>, closure: Closure) -> Separation {
         .chain(contradiction)
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
-    labels.extend(of_noise);
+    labels.extend(of_noise(start).map(Finding::from));
     let hides = start.overrun == Some(true) && campaign.reverse_zero_known;
     let hidden = hides.then(|| hidden_reversal_um(start, &reversals));
     Separation {

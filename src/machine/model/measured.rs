@@ -104,9 +104,10 @@ fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems
         let rows = outside(series, machine);
         let Some(first) = rows.first() else { continue };
         let position = series.positions[*first].mm();
-        let more = Some(rows.len() - 1).filter(|more| *more > 0);
-        let more =
-            more.map_or_else(String::new, |more| format!(", and {}", counted(more, "more row")));
+        let more = match rows.len() - 1 {
+            0 => String::new(),
+            more => format!(", and {}", counted(more, "more row")),
+        };
         let (low, high) = (machine.low.mm(), machine.high.mm());
         let words = format!(
             "position {position} mm of axis {axis} lies outside its travel {low} … {high} mm{more}"

@@ -172,14 +172,13 @@ fn linear_line(
 
 /// A linear measurement at the interval ends of the box.
 fn over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<Vec<Way>, Problems> {
-    let words = (format!("E{axis}{axis} is"), "the axis");
+    let is_measured = format!("E{axis}{axis} is");
     let mut ways = Vec::new();
     for series in table.series(axis) {
         let own = Kind::Deviation(axis);
         let Some(um) = series.values.get(&own) else { continue };
-        if let Some(problem) = falls_short(table, series, (volume, axis), &words) {
-            return Err(problem.into());
-        }
+        let short = falls_short(table, series, (volume, axis), (&is_measured, "the axis"));
+        short.map_or(Ok(()), Err)?;
         let here = |node: &Millimetres, um: &[f64]| at(&series.positions, um, node.mm());
         let u_um = series.uncertainties.get(&own);
         let of = |node| Estimate { um: here(node, um), u_um: u_um.map(|u| here(node, u)) };
@@ -217,15 +216,14 @@ pub fn angles(
         return Err(problem.into());
     }
     let mut problems = Problems::none();
-    for (axis, series) in
-        Axis::ALL.into_iter().flat_map(|axis| table.series(axis).iter().map(move |s| (axis, s)))
-    {
-        let words = (format!("the angles of {axis} are"), "the angles");
-        let short = falls_short(table, series, (&measurement.volume, axis), &words);
-        short.filter(|_| has_angles(series)).into_iter().for_each(|problem| problems.push(problem));
+    for axis in Axis::ALL {
+        let (within, words) = ((&measurement.volume, axis), format!("the angles of {axis} are"));
+        let measured = table.series(axis).iter().filter(|series| has_angles(series));
+        let short = measured.filter_map(|s| falls_short(table, s, within, (&words, "the angles")));
+        short.for_each(|problem| problems.push(problem));
     }
     check_zeros(job, table, &mut problems);
+    problems.or_ok(())?;
     let origin = levers.origin(&job.machine.axes);
-    let effects = || AngleEffects::of_table(table, (chain.order(), levers, origin), measurement);
-    problems.or_ok(()).map(|()| effects())
+    Ok(AngleEffects::of_table(table, (chain.order(), levers, origin), measurement))
 }

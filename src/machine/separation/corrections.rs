@@ -100,7 +100,7 @@ pub(super) fn falls_short(
     table: &ErrorTable,
     series: &Series,
     (volume, axis): (&Volume, Axis),
-    (is_measured, what): &(String, &str),
+    (is_measured, what): (&str, &str),
 ) -> Option<Problem> {
     let (first, last) = series.positions.first().zip(series.positions.last())?;
     let (low, high) = (volume.start[axis].mm(), (volume.start[axis] + volume.size[axis]).mm());

@@ -43,16 +43,12 @@ impl ReferenceLine {
     /// Slope, µm/m, of the line of this type; positions in mm, deviations in µm. Zero for fewer
     /// than two positions.
     pub(crate) fn slope_um_per_m(self, positions_mm: &[f64], deviations_um: &[f64]) -> f64 {
-        let pairs = positions_mm.iter().zip(deviations_um);
+        let rise = |of: &[f64]| of.first().zip(of.last()).map_or(0.0, |(first, last)| last - first);
         let (rise, length) = match self {
-            ReferenceLine::EndPoints => {
-                let mut pairs = pairs;
-                let first = pairs.next().unwrap_or((&0.0, &0.0));
-                let last = pairs.next_back().unwrap_or(first);
-                (last.1 - first.1, (last.0 - first.0) / 1000.0)
-            }
+            ReferenceLine::EndPoints => (rise(deviations_um), rise(positions_mm) / 1000.0),
             ReferenceLine::LeastSquares => {
                 let middle = mean(positions_mm.iter().copied());
+                let pairs = positions_mm.iter().zip(deviations_um);
                 pairs.fold((0.0, 0.0), |(rise, length), (position, deviation)| {
                     let arm = (position - middle) / 1000.0;
                     (rise + arm * deviation, length + arm * arm)

@@ -371,17 +371,12 @@ fn quantiles(zero: String, draws: &[Sizes]) -> LargestErrors {
 
 /// Which directions stand apart.
 pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Option<Direction>>> {
-    let plus_only = |axis: Axis| {
-        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
-            && separation.is_both_ways()
-    };
     PerAxis::from_fn(|axis| {
-        if separation.is_directed(axis) {
-            vec![Some(Direction::Plus), Some(Direction::Minus)]
-        } else if plus_only(axis) {
-            vec![Some(Direction::Plus)]
-        } else {
-            vec![None]
+        let forward_only = job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly);
+        match separation.is_directed(axis) {
+            true => Direction::BOTH.map(Some).to_vec(),
+            false if forward_only && separation.is_both_ways() => vec![Some(Direction::Plus)],
+            false => vec![None],
         }
     })
 }

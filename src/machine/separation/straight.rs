@@ -22,7 +22,7 @@ use super::curves::at;
 use super::labels;
 use super::linear::Row;
 use super::metric::{Agreement, Equation, Equations, Metric};
-use super::readings::{self, Noise, Outlier, float};
+use super::readings::{self, Noise, Outlier, Walk, float, walks};
 use super::start::Start;
 use crate::inputs::error_table::{ErrorTable, Kind, Silence};
 use crate::machine::findings::SeparationFinding;
@@ -148,12 +148,13 @@ type Predicted = (f64, Option<f64>);
 /// Compares straight runs with what nine errors predict.
 fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, Problems> {
     let mut found = ClosureTests { agrees: None, k: 0.0, table_states_u: true, tests: Vec::new() };
-    let passes = &Pass::BOTH[..start.model.layout.passes];
-    for walk in Diagonal::ALL.into_iter().flat_map(|d| passes.iter().map(move |pass| (d, *pass))) {
+    for walk in &walks(&start.runs) {
         let predicted = predicted(start.volume(), table, walk)?;
         found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
-        found.tests.push(compared(start, walk, &predicted));
+        let readings = start.model.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
+        found.tests.push(compared(walk, &predicted, readings));
     }
+    found.tests.sort_by_key(|test| test.diagonal);
     // k of a test of so many differences together.
     let differences = float((found.tests.len() * start.volume().steps).max(1));
     found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
@@ -162,24 +163,19 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     Ok(found)
 }
 
-fn compared(
-    of: &Start<'_>,
-    (diagonal, pass): (Diagonal, Pass),
-    predicted: &[Predicted],
-) -> ClosureTest {
-    let (first, last) = (of.model.layout.reading(pass, diagonal, 0), predicted.len() - 1);
-    let [start, end] = if pass == Pass::Forward { [0, last] } else { [last, 0] };
-    let beyond = |node: usize| of.z[first + node] - predicted[node].0;
-    let left = |node: usize| beyond(node) - beyond(start);
-    let of_reading = of.model.noise.map(|noise| 2.0 * noise.sigma_um.squared() / of.counts[first]);
+fn compared(walk: &Walk, predicted: &[Predicted], square_um2: Option<f64>) -> ClosureTest {
+    let Walk { diagonal, pass, um: measured, .. } = walk;
+    let last = measured.len() - 1;
+    let [start, end] = if *pass == Pass::Forward { [0, last] } else { [last, 0] };
+    let left = |at: usize| measured[at] - measured[start] - (predicted[at].0 - predicted[start].0);
     let stated = |node: usize| predicted[node].1.unwrap_or(0.0);
-    let u = |node: usize| Some((of_reading? + stated(node) + stated(start)).sqrt());
+    let u = |node: usize| Some((square_um2? + stated(node) + stated(start)).sqrt());
     let others = || (0..=last).filter(|node| *node != start);
     let ratio = |node: usize| Some(left(node).abs() / u(node).filter(|u| *u > 0.0)?);
     let ratios: Option<Vec<f64>> = others().map(ratio).collect();
     ClosureTest {
-        diagonal,
-        pass,
+        diagonal: *diagonal,
+        pass: *pass,
         largest_um: others().map(|node| left(node).abs()).fold(0.0, f64::max),
         end_um: left(end),
         u_end_um: u(end),
@@ -188,17 +184,13 @@ fn compared(
 }
 
 /// What nine errors predict for the nodes of a diagonal; an undirected curve serves both ways.
-fn predicted(
-    volume: &Volume,
-    table: &ErrorTable,
-    (diagonal, pass): (Diagonal, Pass),
-) -> Result<Vec<Predicted>, Problem> {
-    let u = volume.laser(diagonal);
+fn predicted(volume: &Volume, table: &ErrorTable, walk: &Walk) -> Result<Vec<Predicted>, Problem> {
+    let u = volume.laser(walk.diagonal);
     let at_node = |node: usize| {
-        let place = volume.place(diagonal, PathKind::Straight, node);
+        let place = volume.place(walk.diagonal, PathKind::Straight, node);
         let mut all = (0.0, Some(0.0));
         for ErrorTerm { of, along } in ErrorTerm::ALL {
-            let direction = Some(diagonal.travelled(along, pass));
+            let direction = Some(walk.diagonal.travelled(along, walk.pass));
             let series = table.series(along);
             let series =
                 series.iter().find(|s| s.direction == direction).or_else(|| series.first())?;
