@@ -89,7 +89,7 @@ pub(super) fn ran_over(start: &Start<'_>, noise: Noise) -> Option<bool> {
     };
     let jump = |axis: Axis| {
         let sum: f64 =
-            Diagonal::ALL.map(|d| start.jump(d, axis).dot(&z) / (2.0 * variance(d))).iter().sum();
+            Diagonal::ALL.map(|d| start.jump(d, axis).dot(z) / (2.0 * variance(d))).iter().sum();
         let weight: f64 = Diagonal::ALL.map(|d| 1.0 / (2.0 * variance(d))).iter().sum();
         sum.squared() / weight
     };
