@@ -20,12 +20,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, ExitCode, ExitStatus, Stdio};
 
-#[path = "../support/parallel.rs"]
+#[path = "../tests/support/parallel.rs"]
 mod parallel;
-#[path = "../support/refusals.rs"]
+#[path = "../tests/support/refusals.rs"]
 #[allow(dead_code, reason = "shared with the tests")]
 mod refusals;
-#[path = "../support/tree.rs"]
+#[path = "../tests/support/tree.rs"]
 #[allow(dead_code, reason = "shared with the tests")]
 mod tree;
 
