@@ -203,6 +203,10 @@ fn each_bad_block_is_named_with_its_column() {
         ("N03605Q1A1P00000002", "eight bits", 12),
         ("N10033Q0P\u{2212}1", "not an ASCII character", 10),
         ("3620P1", "begins with `N`", 1),
+        ("/N10033Q0P1", "found `/`", 1),
+        ("M30", "found `M`", 1),
+        ("\u{b}N10033Q0P1", "found `\\u{b}`", 1),
+        ("\0N10033Q0P1", "found `\\0`", 1),
         ("%", "inside the record", 1),
         ("NP1", "`P` where a digit", 2),
     ];
@@ -231,6 +235,8 @@ fn broken_frames_are_named() {
         ("N03620Q1A1P40\n%\n%\n", "before the opening `%`"),
         ("\n%\n%\n", "before the opening `%`"),
         ("%\n%\nN03620Q1A1P40\n", "behind the closing `%`"),
+        ("%\n%\nsum 12\nn 10003 Q0P7", "behind the closing `%`"),
+        ("\u{feff}%\n%\n", "before the opening `%`"),
         ("% PITCH\rN03620Q1A1P40\n%\n", "carriage return alone"),
     ];
     for (text, words) in cases {

@@ -1,83 +1,7 @@
-//! What a control and a reader could understand differently, in kits without manifest: a value that the
-//! reader takes must be one that the control gets; then what no job asks for. Sources: docs/siemens.md §3.3, docs/fanuc.md §3.3.
+//! What no job asks for, in kits without manifest, and a whole parameter file. What a control and a reader could
+//! understand differently: tests of `read::siemens` and `read::fanuc`.
 
 use super::*;
-
-fn first(old: &str, new: &str) -> impl Fn(&str) -> String {
-    move |text| text.replacen(old, new, 1)
-}
-
-fn begins(with: &str) -> impl Fn(&str) -> String {
-    move |text| format!("{with}{text}")
-}
-
-fn ends(with: &str) -> impl Fn(&str) -> String {
-    move |text| format!("{text}{with}")
-}
-
-const AGREE: &str = "job and tables agree";
-
-#[test]
-fn siemens_files_are_read_as_the_control_reads_them() {
-    let kit = Kit::without_manifest("siemens-840d-sl");
-    kit.yes(EEC, |text| format!("STOPRE\n{}", text.replace("M30", "STOPRE\nM30"))).says(AGREE);
-    kit.yes(CEC, |text| format!("NEWCONF\n{}", text.replace("M30", "newconf\nM30"))).says(AGREE);
-    kit.yes(ON, swap("NEWCONF\n", ""))
-        .says("note: `NONIUS_ENABLE.MPF` sets $MA_ENC_COMP_ENABLE[0,AX1] and no NEWCONF follows");
-    kit.yes(OFF, |text| format!("NEWCONF\n{}", text.replace("NEWCONF\n", "")))
-        .says("note: `NONIUS_DISABLE.MPF` sets $MA_CEC_ENABLE[AX1] and no NEWCONF follows");
-    kit.yes(EEC, begins("CHANDATA(1)\n")).says(AGREE);
-    kit.unread(EEC, begins("CHANDATA(2)\n")).says("`CHANDATA(2)` names another channel");
-    kit.unread(CEC, swap("M30", "chandata( 02 )\nM30")).says("`CHANDATA(2)` names another channel");
-    kit.unread(EEC, begins("; a note\u{2028}$AA_ENC_COMP[0,1,AX1]=0.5\n"))
-        .says("character U+2028 in the file");
-    kit.unread(EEC, begins("; a note \u{202e}\n")).says("character U+202E in the file");
-    kit.yes(EEC, begins("; Fr\u{e4}se\n")).says(AGREE);
-    kit.unread(EEC, first("\n", "\r")).says("control character U+000D");
-    kit.unread(EEC, begins("%_N_AX_EEC_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n"))
-        .says("does not go to the active data");
-    kit.yes(EEC, begins("%_N_AX_EEC_INI\n;$PATH=/_N_NC_ACT_DIR\n")).says(AGREE);
-    kit.unread(EEC, begins("\u{feff}")).says("character U+FEFF in the file");
-    // No code.
-    kit.unread(EEC, begins("GOTOF END\n")).says("`GOTOF END` does not belong here");
-    kit.unread(EEC, begins("IF R1==0\n")).says("`IF R1==0` does not belong here");
-    kit.unread(EEC, begins("CALL \"X\"\n")).says("does not belong here");
-    kit.unread(EEC, begins("/")).says("does not belong here");
-    kit.unread(EEC, begins("M17\n")).says("a statement follows the end word");
-    kit.unread(EEC, ends("%_N_B_MPF\nM30\n")).says("first line");
-    kit.unread(EEC, first("$AA", "\0$AA")).says("control character U+0000");
-}
-
-#[test]
-fn fanuc_files_are_read_as_the_control_reads_them() {
-    let kit = Kit::without_manifest("fanuc-30i");
-    for before in ["N10003Q0P7\n", "\n", "\u{feff}"] {
-        kit.unread(POINTS, begins(before)).says("stands before the opening `%`");
-    }
-    for behind in ["N10003Q0P7\n", "sum 12\nn 10003 Q0P7"] {
-        kit.unread(POINTS, ends(behind)).says("a block stands behind the closing `%`");
-    }
-    kit.yes(POINTS, ends("checked by hand\n")).says(AGREE);
-    kit.unread(POINTS, swap("\n\r\r", "\r")).says("carriage return");
-    kit.unread(POINTS, first("\n\r\rN10002", "\rN10002")).says("carriage return");
-    kit.unread(POINTS, first("\n\r\rN10000", "\rN10000")).says("carriage return");
-    kit.unread(POINTS, first("\n\r\rN10002", ";N10002")).says("`;` ends no block");
-    kit.unread(PARAMETERS, first("A1P", "A1M")).says("the letter `M`, expected `P`");
-    kit.yes(POINTS, first("N10002", "\tN10002")).says(AGREE);
-    for (instead, says) in [
-        ("n10002", "lower case"),
-        ("\u{b}N10002", "expected"),
-        ("/N10002", "found `/`"),
-        ("(N10002", "a comment"),
-        ("M30\nN10002", "found `M`"),
-        ("%\nN10002", "inside the record"),
-        ("G10L50\nN10003R5\nG11\nN10002", "a G10 program"),
-        ("\0N10002", "a block that begins with `N` was expected"),
-    ] {
-        kit.unread(POINTS, first("N10002", instead)).says(says);
-    }
-    kit.unread(POINTS, |text| text.repeat(2)).says("inside the record");
-}
 
 /// What the program prints of a machine with the tables in `kit`, without how they are called.
 fn figures_of(kit: &Kit) -> String {
@@ -124,6 +48,10 @@ fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
 fn what_the_job_does_not_own_on_siemens() {
     let kit = Kit::without_manifest("siemens-840d-sl");
     kit.agrees();
+    for (file, sets) in [(ON, "MA_ENC_COMP_ENABLE[0,AX1]"), (OFF, "MA_CEC_ENABLE[AX1]")] {
+        let says = format!("note: `{file}` sets ${sets} and no NEWCONF follows");
+        kit.yes(file, |text| format!("NEWCONF\n{}", text.replace("NEWCONF\n", ""))).says(&says);
+    }
     kit.no(ON, swap("NEWCONF", "$MA_BACKLASH[0,AX1]=0.5\nNEWCONF")).says(
         "`NONIUS_ENABLE.MPF` sets $MA_BACKLASH[0,AX1] = 0.5: the job does not write it there",
     );
