@@ -285,43 +285,19 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     ran.tells(&["x,-,100,2,", "3.000 µm as manifest.json of the kit names it"]);
 }
 
-/// Files under names of the control's own, with data of no concern among them.
-#[test]
-fn a_read_out_is_judged_by_what_it_does() {
-    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml").with_any_kit();
-    let [eec, cec] = ["EEC", "CEC"].map(|name| {
-        let text = visit.read(&format!("kit/NONIUS_{name}.MPF"));
-        let lines = text.lines().filter(|line| line.starts_with('$'));
-        lines.map(|line| format!("{line}\n")).collect::<String>()
-    });
-    let other = "$MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n$MA_BACKLASH[0,AX1]=0.006\n";
-    visit.put("out/all.arc", format!("{eec}{other}{cec}M30\n"));
-    let says =
-        ["1 other machine data were ignored", "taken to be on", "MD32450) of axis AX1 is 6 µm"];
-    visit.run("verify job.toml --tables out").ends(0).tells(&says);
-    visit.edit("out/all.arc", "M30", "$AA_ENC_COMP[0,3,AX1]=0.5\nM30");
-    visit.run("verify job.toml --tables out").ends(1);
-}
-
 /// Noise that the job states for every value is not stated again in the columns of a simulated table.
 #[test]
 fn simulated_noise_is_stated_once() {
     let visit = Visit::of("start/errors");
     let u = |noise_um: &str| {
-        let table = visit
-            .run(&format!("simulate job.toml --errors --noise-um {noise_um} -o -"))
-            .ends(0)
-            .out;
+        let table = visit.yes(&format!("simulate job.toml --errors --noise-um {noise_um} -o -"));
         let rows = table.lines().filter(|line| line.starts_with("x,"));
         let last = rows.map(|row| row.rsplit(',').next().unwrap().to_string());
         table.contains("u_ez_um").then(|| last.max().unwrap())
     };
     assert_eq!(u("0.5").as_deref(), Some("0.5"));
-    visit.edit(
-        "job.toml",
-        "[compensation]\n",
-        "[measurement.uncertainty]\nnoise_um = 0.3\n\n[compensation]\n",
-    );
+    let stated = "[measurement.uncertainty]\nnoise_um = 0.3\n\n[compensation]\n";
+    visit.edit("job.toml", "[compensation]\n", stated);
     assert_eq!(u("0.5").as_deref(), Some("0.4"));
     assert_eq!(u("0.3"), None);
 }

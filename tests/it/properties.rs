@@ -360,47 +360,6 @@ proptest! {
             }
         }
     }
-
-    #[test]
-    fn a_constant_reversal_is_a_curve_and_a_parameter(
-        um in proptest::collection::vec(-20.0..20.0_f64, 5),
-        tenths in -200..100_i32,
-        homing in prop::sample::select(vec!["+", "-"]),
-        reference in 0..5_u32,
-    ) {
-        let reversal = f64::from(tenths) / 10.0; // + less −, on the digit of the parameter
-        let mut errors = String::from("axis,direction,position_mm,ex_um\n");
-        for (sign, lost) in [("+", 0.0), ("-", reversal)] {
-            for (place, um) in (0_u32..).zip(&um) {
-                writeln!(errors, "x,{sign},{},{:?}", 100 * place, um - lost).unwrap();
-            }
-        }
-        let at = 100 * reference;
-        // A machine of one axis has no volumetric compensation.
-        for id in support::positioning_ids().filter(|id| *id != "isg-volcomp") {
-            let text = format!(
-                "schema = 1\n[machine]\nname = \"reversal\"\n[machine.axes.x]\ntravel_mm = [0.0, 400.0]\n\
-                 reference_mm = {at}.0\nreference_direction = \"{homing}\"\n[measurement]\n\
-                 errors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[compensation]\n\
-                 controller = \"{id}\"\nbacklash = \"curve-and-parameter\"\n[compensation.axes.x]\n\
-                 spacing_mm = 100.0\n{}",
-                if support::needs_unit(id) { "detection_unit_um = 0.1\n" } else { "" }
-            );
-            let (inputs, kit) = support::generate(&text, &errors);
-            let name = &inputs.profile.axis_names.value[0];
-            let control = support::control(&inputs.profile, &kit);
-            let half = kit.compiled.placements[0].count_um / 2.0;
-            let of_homing = if homing == "+" { 0.0 } else { reversal };
-            let zero = um[reference as usize] - of_homing;
-            for (direction, lost) in [(Direction::Plus, 0.0), (Direction::Minus, reversal)] {
-                let response = support::response(control.as_ref(), name, name, direction);
-                for (place, um) in (0_u32..).zip(&um) {
-                    let left = um - lost - zero + um_at(&response, 100.0 * f64::from(place));
-                    prop_assert!(left.abs() <= half + 1e-6, "{} {}: {}", id, direction, left);
-                }
-            }
-        }
-    }
 }
 
 /// The number of an assignment in millionths, from its text: `…=-12.345678` is −12345678.
@@ -424,5 +383,33 @@ fn squareness_leaves_the_reference_zero_where_it_was_not_measured() {
     let expected = [0.0, 0.0, -10.0, -20.0];
     for (got, expected) in corrections.iter().zip(expected) {
         assert!((got - expected).abs() <= DUST_UM, "{corrections:?}");
+    }
+}
+
+/// By its residual two points would do over 5 m: the smallest spacing was taken that covers them but for a millionth of a
+/// spacing, 5 µm. A job that says where its table ends gets that.
+#[test]
+fn a_grid_covers_a_long_travel_unless_the_job_says_where_it_ends() {
+    for (request, ends) in [
+        ("max_residual_um = 30.0", [0.0, 5000.0]),
+        ("points = 2", [0.0, 5000.0]),
+        ("spacing_mm = 50.0\nstart_mm = 100.0\nend_mm = 400.0", [100.0, 400.0]),
+    ] {
+        let um = [vec![0.0, 7.0, -3.0, 11.0], vec![0.0; 4], vec![0.0; 4]];
+        let mm = vec![0.0, 1500.0, 3500.0, 5000.0];
+        let rails =
+            [(); 3].map(|()| Rail { mm: mm.clone(), um: um.clone(), reference: 0.0, spacing: 0.0 });
+        let text = job(&rails, "generic", "", |_| request.to_string(), "");
+        let inputs = support::inputs(&text, &csv(&rails, METRIC));
+        let grid = kit::generate(&inputs)
+            .unwrap_or_else(|p| panic!("{}", p.render()))
+            .plan
+            .grids
+            .x
+            .unwrap();
+        let (first, last) = grid.range();
+        let is_covered = first.mm() <= ends[0] + 2e-6 && last.mm() >= ends[1] - 2e-6;
+        let is_meant = ends[1] > 400.0 || [first.mm(), last.mm()] == ends;
+        assert!(is_covered && is_meant, "{request}: {first:?} to {last:?}");
     }
 }

@@ -137,6 +137,8 @@ fn what_stands_around_siemens_tables_is_judged() {
         # A control writes a checksum behind each machine datum, if MD11230 asks for it.
         N10240 $MN_SCALING_SYSTEM_IS_METRIC=1 '2F34\nN32450 $MA_BACKLASH[0,AX1]=0 'A0b1 ;x => pass
         $MN_SCALING_SYSTEM_IS_METRIC=TRUE => pass
+        N32000 $MA_MAX_AX_VELO[AX1]=30000 => pass: 1 other machine data were ignored
+        => pass: taken to be on
         $MN_SCALING_SYSTEM_IS_METRIC=0 => fail: counts in inch
         $MN_SCALING_SYSTEM_IS_METRIC=2 => refused: write 0 or 1
         # The tables hold as much as 0.004 mm of AX2, and no CEC table corrects AX1.
