@@ -74,28 +74,22 @@ fn pictures(visit: &Visit, after: &str) -> Vec<String> {
 
 /// Machine 900 with a limit; U so large that nothing is decided, and a doubt, where it is `undecided`.
 fn judged(visit: &Visit, verdict: &str) {
-    let job = fixture("nine_errors_900/siemens-840d-sl.toml");
-    let table = fixture("nine_errors_900/errors.csv");
-    let with = |um: f64| {
-        let limits = format!("max_deviation_um = {um}\nmax_diagonal_um = {um}");
-        replaced(&job, "max_deviation_um = 10.0", &limits)
-    };
-    let (job, table) = match verdict {
-        "pass" => (with(10.0), table),
-        "fail" => (with(0.0001), table),
+    let (job, table) = (format!("{verdict}/job.toml"), format!("{verdict}/errors.csv"));
+    visit.copy("nine_errors_900/siemens-840d-sl.toml", &job);
+    visit.copy("nine_errors_900/errors.csv", &table);
+    let um = match verdict {
+        "pass" => "10",
+        "fail" => "0.0001",
         _ => {
-            let job = replaced(&with(4.0), "active_while_measuring = \"none\"\n", "");
-            let rows = table.lines().map(|line| match line.as_bytes()[0] {
-                b'#' => line.to_string(),
-                b'a' => format!("{line},u_ex_um,u_ey_um,u_ez_um"),
-                _ => format!("{line},3.2,3.2,3.2"),
-            });
-            (job, rows.collect::<Vec<_>>().join("\n"))
+            visit.edit(&job, "active_while_measuring = \"none\"\n", "");
+            visit.with_column(&table, ",u_ex_um,u_ey_um,u_ez_um", ",3.2,3.2,3.2");
+            "4"
         }
     };
+    let limits = format!("max_deviation_um = {um}\nmax_diagonal_um = {um}");
+    visit.edit(&job, "max_deviation_um = 10.0", &limits);
     let protocol = "[measurement.protocol]\nby = \"A. Person\"\ninstrument = \"laser 4711\"\ntemperature_c = 20.5\ntemperature_end_c = 20.9\ncustomer = \"A company\"\nlocation = \"hall 2\"\n";
-    visit.put(&format!("{verdict}/errors.csv"), table);
-    visit.put(&format!("{verdict}/job.toml"), format!("{job}\n{protocol}"));
+    visit.put(&job, format!("{}\n{protocol}", visit.read(&job)));
 }
 
 /// Prints a page of the folder; how many sheets it takes.

@@ -260,25 +260,6 @@ fn plain_causes_stand_first() {
 }
 
 #[test]
-fn millimetres_under_a_heading_for_micrometres_are_refused() {
-    let turned = |row: Row| 2.0 * wavy(row) / 1000.0;
-    for left in [&turned as &dyn Fn(Row) -> f64, &|_| 0.0] {
-        let visit = visit(&SIEMENS);
-        // The noise, too, is in mm; u stands as it is.
-        let in_mm = |(index, cell): (usize, &str)| match cell.parse::<f64>() {
-            Ok(um) if (3..5).contains(&index) => format!("{:.9}", um / 1000.0),
-            _ => cell.to_string(),
-        };
-        let cells = |line: &str| line.split(',').enumerate().map(in_mm).collect::<Vec<_>>();
-        let table = table(&SIEMENS, 2, |row| 1000.0 * left(row));
-        let rows = table.lines().map(|line| cells(line).join(",") + "\n");
-        visit.put("after.csv", rows.collect::<String>());
-        let ran = visit.run("verify job.toml --tables kit --after after.csv").ends(2);
-        ran.says("a slip of their unit");
-    }
-}
-
-#[test]
 fn what_nothing_explains_is_named_with_its_place() {
     let bump = Row { along: 'x', of: 'x', way: "", mm: 450.0 };
     let found = after(&SIEMENS, |row| if row == bump { 5.0 } else { 0.0 });

@@ -124,34 +124,6 @@ fn every_format_becomes_the_table_that_was_checked() {
     insta::assert_snapshot!("mapped_columns_with_decimal_comma", text);
 }
 
-/// What is said of the file with one text in place of another.
-#[track_caller]
-fn pos_refused(from: &str, to: &str, stated: &Stated) -> String {
-    let text = file(POS);
-    assert!(text.contains(from), "{from}");
-    let found = run(POS, text.replacen(from, to, 1), stated, None).map(|imported| imported.text);
-    found.unwrap_err().to_string()
-}
-
-#[test]
-fn rows_of_an_api_export_that_contradict_themselves_are_refused() {
-    let plus = rtl_laser(0.0, Direction::Plus);
-    for (from, to, words) in [
-        ("     0.001200", "     0.001300", "1 of 10 rows contradict themselves"),
-        ("RunNum: 2", "RunNum: 3", "expected 15"),
-        ("\t     0\t", "\t     2\t", "status is 2 (Path Error) in 1 of 10 rows"),
-        ("Unidirection\t", "Bidirection\t", "expected 20"),
-        ("Unit:\tmm", "Unit:\tm", "`Unit` is `m`"),
-        ("Linear Data Table", "Angular Data Table", "expected a `Linear Data Table`"),
-        ("(X)", "(Y)", "names axis `(Y)`"),
-    ] {
-        let said = pos_refused(from, to, &plus);
-        assert!(said.contains(words), "{from} -> {to}: {said}");
-    }
-    let turned = Stated { sign: Some(TableSign::AsCorrection), ..plus };
-    assert!(pos_refused("(X)", "(X)", &turned).contains("contradicts the file"));
-}
-
 /// Target 1 is 100 in the file and 50 on the machine; the axis went to larger coordinates
 /// while the file counted down: deviations are turned.
 #[test]

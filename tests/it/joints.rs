@@ -3,28 +3,16 @@
 use crate::support::{Visit, holds, number};
 use std::process::Command;
 
-/// Two axes; X lags by 4 µm moving down, and bends Y.
-const ERRORS: &str = "axis,direction,position_mm,ex_um,ey_um\n\
-    x,+,0,0,0\nx,+,50,6,3\nx,+,100,16,-4\nx,-,0,4,0\nx,-,50,10,3\nx,-,100,20,-4\n";
-const ERRORS_Y: &str = "axis,position_mm,ey_um\ny,0,0\ny,50,-2\ny,100,5\n";
-
 const NONE: &str = "active_while_measuring = \"none\"\nactive_backlash_um = { x = 0.0, y = 0.0 }";
 const TWO: &str = "backlash = { x = \"two-tables\" }";
 /// The table of X with the reversal in it.
 const ROWS: &str = "0.000000 0.000000 -0.004000\n50.000000 -0.006000 -0.010000\n\
     100.000000 -0.016000 -0.020000\n";
 
+/// Two axes; X lags by 4 µm moving down, and bends Y.
 fn visit(measurement: &str, compensation: &str) -> Visit {
-    let axis = "{ travel_mm = [0, 100], reference_mm = 0 }";
-    let job = format!(
-        "schema = 1\n[machine]\nname = \"M\"\naxes = {{ x = {axis}, y = {axis} }}\n\
-         [measurement]\nerrors = [\"x.csv\", \"y.csv\"]\n{measurement}\n\
-         [compensation]\ncontroller = \"linuxcnc\"\n{compensation}\n\
-         axes.x = {{ spacing_mm = 50, id = \"0\" }}\naxes.y = {{ spacing_mm = 50, id = \"1\" }}\n\
-         [acceptance]\nmax_deviation_um = 100\n"
-    );
-    let visit = Visit::new();
-    visit.put("x.csv", ERRORS).put("y.csv", ERRORS_Y).put("job.toml", job);
+    let visit = Visit::of("base/joints");
+    visit.edit("job.toml", NONE, measurement).edit("job.toml", TWO, compensation);
     visit
 }
 
@@ -33,8 +21,12 @@ fn kit(measurement: &str, compensation: &str) -> Visit {
     visit(measurement, compensation).with_kit()
 }
 
+/// A table has up to 256 rows (fixtures/cases/refuses/controls.txt).
 #[test]
 fn a_table_is_minus_the_deviation_and_cross_terms_are_told() {
+    let most = visit(NONE, TWO);
+    most.edit("job.toml", "axes.x = { spacing_mm = 50", "axes.x = { points = 256");
+    most.yes("generate job.toml -o kit");
     let visit = kit(NONE, TWO);
     assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
     let manifest = visit.document("kit/manifest.json");
@@ -59,23 +51,6 @@ fn what_backlash_does_is_taken_over() {
     let mean = kit(&acted, "backlash = { x = \"mean\" }").document("kit/manifest.json");
     let after = number(&mean["forecast"]["terms"]["EXX"]["after_um"]);
     assert!((after - 14.0).abs() < 1e-3, "{after}");
-}
-
-/// Nobody measured the 10 µm of Y; a table has up to 256 rows.
-#[test]
-fn what_no_table_can_hold_is_refused() {
-    let of_both = NONE.replace("= 0.0", "= 10.0");
-    let cross = "terms = [\"EYX\"]\nbacklash = { x = \"mean\" }";
-    for (measurement, compensation, grid, status, words) in [
-        (NONE, cross, "spacing_mm = 50", 2, "COMP_FILE corrects its own joint only"),
-        (&of_both, TWO, "spacing_mm = 50", 2, "`backlash` is not stated"),
-        (NONE, TWO, "points = 256", 0, ""),
-        (NONE, TWO, "points = 257", 2, "257 points, more than the 256 of a COMP_FILE"),
-    ] {
-        let visit = visit(measurement, compensation);
-        visit.edit("job.toml", "axes.x = { spacing_mm = 50", &format!("axes.x = {{ {grid}"));
-        visit.run("generate job.toml -o kit").ends(status).says(words);
-    }
 }
 
 /// An ini file of a machine with the lines of a kit in it.
@@ -129,39 +104,6 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
         visit.edit(&path, from, to);
         visit.run(verify).ends(status).says(words);
         visit.put(&path, text);
-    }
-}
-
-/// Half of the errors were corrected while measuring: new = old + residual.
-#[test]
-fn old_tables_are_part_of_the_new_ones() {
-    let visit = copied();
-    visit.edit("job.toml", NONE, "active_while_measuring = \"out\"");
-    visit.yes("generate job.toml -o again");
-    let rows = "0.000000 0.000000 -0.008000\n50.000000 -0.012000 -0.020000\n100.000000 -0.032000 -0.040000\n";
-    assert_eq!(visit.read("again/joint-0.comp"), rows);
-}
-
-#[test]
-fn a_second_measurement_is_judged() {
-    let visit = kit(NONE, TWO);
-    visit.edit("job.toml", "max_deviation_um = 100", "max_deviation_um = 10");
-    ensure_second_measurement_judged(&visit, "0.1");
-    ensure_second_measurement_judged(&super::isg::kit("", ""), "0.05");
-}
-
-/// As the emulated control would give it; one without tables misses.
-#[track_caller]
-fn ensure_second_measurement_judged(visit: &Visit, noise_um: &str) {
-    let simulate = format!("simulate job.toml --errors --noise-um {noise_um} --seed 3 --force");
-    for (tables, expected) in [("--tables kit", "pass"), ("--without-tables", "fail")] {
-        visit.yes(&format!("{simulate} {tables} -o after.csv"));
-        // Without the remarks that say it was simulated.
-        let table = visit.read("after.csv");
-        let rows = table.split_inclusive('\n').filter(|line| !line.starts_with('#'));
-        visit.put("after.csv", rows.collect::<String>());
-        let page = visit.json("verify job.toml --tables kit --after after.csv");
-        assert_eq!(page["verdict"], expected, "{tables} {page:#}");
     }
 }
 

@@ -2,7 +2,7 @@
 //! this program made and nobody touched, and no input is cut or exchanged without a word.
 
 use super::large::patiently;
-use crate::support::{Ran, Visit, copies, replaced};
+use crate::support::{Ran, Visit, below, copies, replaced};
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -17,7 +17,7 @@ pub(super) const PROGRAM: &str = "\n[program]\nwhat = \"single-axis\"\nbidirecti
     steps = 5\nstart_mm = { x = 10.0, y = 10.0, z = -190.0 }\n\
     size_mm = { x = 300.0, y = 200.0, z = 100.0 }\n";
 
-/// Runs a command, which says so beside its data.
+/// Runs a command, at most a while, which says so beside its data.
 #[track_caller]
 fn expect(visit: &Visit, command: &str, status: i32, says: &str) {
     told(patiently(visit, command, Stdio::null()).ends(status), says);
@@ -40,47 +40,21 @@ fn piped(visit: &Visit, command: &str, from: &str) -> Ran {
     patiently(visit, command, stdin.into())
 }
 
-#[test]
-fn no_output_replaces_an_input() {
-    let visit = Visit::of("diagonals/case_b_setup");
-    visit.put("part.nc", "G21 G90 G1 X10 F100\nX20\nM30\n");
-    let name = visit.folder().file_name().unwrap().to_string_lossy();
-    for command in [
-        "simulate job.toml -o readings.csv",
-        &format!("simulate job.toml -o ./../{name}/job.toml"),
-        "separate job.toml -o readings.csv",
-        "separate job.toml -o job.toml",
-        "path job.toml part.nc -o part.nc",
-    ] {
-        refused(&visit, &format!("{command} --force"), WOULD_REPLACE);
-    }
-}
-
+/// By its own name: fixtures/cases/refuses/outputs.txt.
 #[cfg(unix)]
 #[test]
-fn no_output_replaces_an_input_through_links_or_standard_input() {
+fn no_output_replaces_an_input_through_links_other_ways_or_standard_input() {
     use std::os::unix::fs::symlink;
     let visit = Visit::of("diagonals/case_b_setup");
     fs::hard_link(visit.at("readings.csv"), visit.at("hard.csv")).unwrap();
     symlink("readings.csv", visit.at("soft.csv")).unwrap();
     symlink(".", visit.at("here")).unwrap();
-    for output in ["hard.csv", "here/readings.csv", "soft.csv"] {
+    let around = format!("./../{}/job.toml", visit.folder().file_name().unwrap().display());
+    for output in ["hard.csv", "here/readings.csv", "soft.csv", &around] {
         let says = if output == "soft.csv" { "is a link" } else { WOULD_REPLACE };
         refused(&visit, &format!("simulate job.toml -o {output} --force"), says);
     }
-    let before = visit.files();
-    told(piped(&visit, "simulate - -o job.toml --force", "job.toml").ends(2), WOULD_REPLACE);
-    assert!(visit.files() == before);
-}
-
-#[test]
-fn no_output_lies_in_a_kit_that_is_read() {
-    let visit = Visit::of("start/errors");
-    expect(&visit, MAKE, 0, "wrote");
-    let simulate = "simulate job.toml --tables kit --errors -o";
-    refused(&visit, &format!("{simulate} kit/after.csv"), WOULD_REPLACE);
-    refused(&visit, &format!("{simulate} kit/manifest.json --force"), WOULD_REPLACE);
-    expect(&visit, &format!("{simulate} after.csv"), 0, "wrote");
+    visit.refuses("$N simulate - -o job.toml --force < job.toml").says(WOULD_REPLACE);
 }
 
 #[cfg(unix)]
@@ -102,10 +76,15 @@ fn an_output_is_a_regular_file_or_new() {
     let kind = |path: &Path| fs::symlink_metadata(path).unwrap().file_type();
     assert!(kind(&visit.at("pipe")).is_fifo());
     assert!(!has_device || kind(&device).is_char_device());
-    // A link that leads nowhere.
-    std::os::unix::fs::symlink("not-there", visit.at("kit")).unwrap();
-    refused(&visit, MAKE, "is a link or a file");
-    assert!(visit.at("kit").is_symlink());
+    // Nor a link: what it leads to would stay where it is.
+    for target in ["not-there", "folder"] {
+        let link = format!("link-{target}");
+        std::os::unix::fs::symlink(target, visit.at(&link)).unwrap();
+        for output in [&link, &format!("{link}/")] {
+            visit.refuses(&format!("$N generate job.toml -o {output} --force"));
+        }
+        assert!(visit.at(&link).is_symlink());
+    }
 }
 
 #[cfg(unix)]
@@ -146,7 +125,10 @@ fn force_removes_nothing_of_a_users() {
             visit.put("kit.previous/manifest.json", r#"{"files":[]}"#);
         }
         for number in moved {
-            expect(&visit, force, 0, &format!("moved {name} to {name}.previous{number}\n"));
+            let old = below(&visit.files(), name);
+            let previous = format!("{name}.previous{number}");
+            expect(&visit, force, 0, &format!("moved {name} to {previous}\n"));
+            assert!(below(&visit.files(), &previous) == old, "{previous} is the old one");
         }
         assert_eq!(copies(&visit.files(), b"what a person put there"), 1, "{own}");
         let (_, file) = own.split_once('/').unwrap();

@@ -2,8 +2,7 @@
 //! output, places that are read-only, links, or inputs.
 
 use crate::support::{
-    Entry, Ran, Visit, below, copies, difference, is_installed, is_of_windows, nonius, program,
-    replaced, skipped,
+    Ran, Visit, below, copies, difference, is_installed, is_of_windows, program, skipped,
 };
 use std::ffi::OsStr;
 use std::fs::{self, Permissions};
@@ -74,41 +73,31 @@ fn twenty_at_once_with_force_lose_nothing() {
     assert!(twenty(&visit, "simulate job.toml --errors -o put.csv --force") > 0);
 }
 
+/// A form of three captures, filled in from a list in the same place.
+const FILL_IN: &str = "import list.txt --form form.csv --columns #1=displacement_mm --captures cumulative \
+    --decimal comma -o form.csv --force";
+
 #[test]
 fn of_twenty_that_fill_in_one_form_one_does() {
-    let visit = Visit::new();
-    let form = "target_mm,run,direction,deviation_um\n0,1,+,\n1,1,+,\n2,1,+,\n";
-    visit.put("form.csv", form).put("list.txt", "0\n1.5\n2.5\n");
-    let import =
-        "import list.txt --form form.csv --columns #1=displacement_mm --captures cumulative";
-    assert_eq!(twenty(&visit, &format!("{import} -o form.csv --force")), 1);
-    assert!(visit.read("form.csv").contains("1,1,+,500\n"));
+    let visit = Visit::of("base/form");
+    assert_eq!(twenty(&visit, FILL_IN), 1);
+    assert!(visit.read("form.csv").contains("1,1,+,0\n"));
 }
 
 /// Standard input is an input like any other.
 #[cfg(unix)]
 #[test]
 fn a_form_that_comes_in_by_standard_input_is_not_replaced() {
-    let visit = Visit::new();
-    let form = "target_mm,run,direction,deviation_um\n0,1,+,\n";
-    visit.put("form.csv", form).put("list.txt", "0\n");
-    let words = "import list.txt --form - --columns #1=displacement_mm --captures cumulative -o form.csv --force";
-    let mut command = program(visit.folder(), words);
-    let output = command.stdin(fs::File::open(visit.at("form.csv")).unwrap()).output().unwrap();
-    Ran::of(words, &output).ends(2).says("would replace");
-    assert_eq!(visit.read("form.csv"), form);
+    let line = FILL_IN.replace("--form form.csv", "--form - < form.csv");
+    Visit::of("base/form").refuses(&format!("$N {line}")).says("would replace");
 }
 
 /// A limit of the size of files is an error of writing, not the end of the run.
 #[cfg(unix)]
 #[test]
 fn files_beyond_what_the_user_may_write_leave_nothing() {
-    let visit = Visit::of("start/errors");
-    let before = visit.files();
-    let line = format!("ulimit -f 8; exec {} generate job.toml -o kit", nonius());
-    let output = Command::new("sh").args(["-c", &line]).current_dir(visit.folder()).output();
-    Ran::of(&line, &output.unwrap()).ends(2).says("cannot write");
-    assert_eq!(before, visit.files());
+    let ran = Visit::of("start/errors").refuses("ulimit -f 8; exec $N generate job.toml -o kit");
+    ran.says("cannot write");
 }
 
 /// A form that somebody saves while a run is about to put its own there: what they wrote stays.
@@ -117,27 +106,20 @@ fn a_form_that_was_saved_meanwhile_is_not_replaced() {
     if !cfg!(target_os = "linux") || !is_installed("strace") {
         return;
     }
-    let visit = Visit::new();
-    let form = "target_mm,run,direction,deviation_um\n0,1,+,\n1,1,+,\n";
-    visit.put("form.csv", form).put("list.txt", "0\n1.5\n");
-    let mut traced = Command::new("strace");
-    traced.args(["-f", "-q", "-o", "/dev/null"]);
-    traced.args(["-e", "inject=rename,renameat,renameat2:delay_enter=2000000"]);
-    traced.arg(nonius()).args(["import", "list.txt", "--form", "form.csv"]);
-    traced.args(["--columns", "#1=displacement_mm", "--captures", "cumulative"]);
-    traced.args(["-o", "form.csv", "--force"]).current_dir(visit.folder());
+    let visit = Visit::of("base/form");
+    let slowly =
+        "strace -f -q -o /dev/null -e inject=rename,renameat,renameat2:delay_enter=2000000";
+    let mut traced = visit.by_shell(&format!("exec {slowly} $N {FILL_IN}"));
     let run = traced.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let begun = || visit.files().keys().any(|name| name.contains(".partial-"));
-    while !begun() {
+    while !visit.files().keys().any(|name| name.contains(".partial-")) {
         std::thread::sleep(Duration::from_millis(10));
     }
     std::thread::sleep(Duration::from_millis(200));
-    let own = form.replace("+,\n", "+,7\n");
+    let own = visit.read("form.csv").replace("+,\n", "+,7\n");
     visit.put("form.csv", own.as_str());
     let ran = Ran::of("import", &run.wait_with_output().unwrap()).ends(2);
     ran.says("somebody changed it while this run was at work");
-    assert_eq!(visit.read("form.csv"), own);
-    assert_eq!(visit.files().len(), 2);
+    assert_eq!((visit.read("form.csv"), visit.files().len()), (own, 2));
 }
 
 #[cfg(unix)]
@@ -244,57 +226,15 @@ fn a_kit_is_written_through_a_link_to_its_folder() {
     assert!(below(&found, "stick/kit") == below(&found, "stick/kit.previous"));
 }
 
-/// Its target would stay where it is, and the link would become something else.
-#[cfg(unix)]
-#[test]
-fn a_link_is_not_replaced_by_a_kit() {
-    let visit = Visit::of("start/errors").with_kit();
-    fs::create_dir(visit.at("empty")).expect("a directory");
-    for target in ["kit", "empty"] {
-        let link = format!("link-{target}");
-        std::os::unix::fs::symlink(target, visit.at(&link)).expect("a link");
-        for output in [&link, &format!("{link}/")] {
-            refused(&visit, &format!("generate job.toml -o {output} --force"));
-        }
-    }
-}
-
-fn refused(visit: &Visit, words: &str) {
-    let before = visit.files();
-    visit.run(words).ends(2);
-    assert_eq!(difference(&before, &visit.files()), "", "{words}");
-}
-
 #[test]
 fn the_page_is_written_where_the_program_holds_it() {
     let visit = Visit::new();
     let ran = visit.run("page -o nonius.html");
     if visit.has("nonius.html") {
         ran.ends(0).says("wrote nonius.html");
-        refused(&visit, "page -o nonius.html");
+        visit.run("page -o nonius.html").ends(2);
         assert!(visit.yes("page -o -").ends_with(&visit.read("nonius.html")));
         return;
     }
     ran.ends(2).says("this program was built without the page");
-}
-
-#[test]
-fn no_output_lies_in_or_around_what_a_job_reads() {
-    let visit = Visit::of("start/errors");
-    visit.yes("generate job.toml -o old");
-    visit.put("update.toml", replaced(&visit.read("job.toml"), "\"none\"", "\"old\""));
-    fs::create_dir(visit.at("old.previous")).expect("a directory");
-    for words in [
-        "generate update.toml -o old --force",
-        "generate update.toml -o old/new",
-        "generate update.toml -o old/new/kit --force",
-        "generate job.toml -o job.toml/kit",
-        "generate job.toml -o job.toml --force",
-        "generate job.toml -o . --force",
-        "generate job.toml -o .. --force",
-        "simulate job.toml --errors -o errors.csv/put.csv",
-    ] {
-        refused(&visit, words);
-    }
-    assert!(matches!(visit.files()["job.toml"], Entry::File(_)));
 }

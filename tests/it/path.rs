@@ -1,54 +1,21 @@
-//! `nonius path` through the program, and its scanner against one by others.
+//! `nonius path` through the program (what it refuses: fixtures/cases/refuses/path.txt), and its scanner against one by
+//! others.
 
-use crate::support::{Entry, Ran, Visit, fixtures, number, refusals};
+use crate::support::{Entry, Visit, fixtures, number, refusals};
 use part_program::{Language, Word, words};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// 100 mm an axis; the error at a place in mm is (x/10, y/5, z/2) µm.
-const ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um
-x,0,0,0,0\nx,100,10,0,0\ny,0,0,0,0\ny,100,0,20,0\nz,0,0,0,0\nz,100,0,0,50\n";
-
-/// The machine with a program and further lines of `[path]`.
+/// A machine of 100 mm an axis, whose error at a place in mm is (x/10, y/5, z/2) µm, with a program and further lines
+/// of `[path]`.
 fn visit(path: &str, program: &str) -> Visit {
-    let visit = Visit::of("base/path");
-    let tool = "[[path.tool]]\nnumber = 1\nlength_mm = 12.5\n";
-    let mut job = visit.read("job.toml") + path + "\n" + tool;
-    for axis in ["x", "y", "z"] {
-        job += &format!("[compensation.axes.{axis}]\nspacing_mm = 50.0\n");
-    }
-    for (system, z) in [("G54", 0.0), ("G55", 30.0)] {
-        let place = format!("x_mm = 0.0\ny_mm = 0.0\nz_mm = {z:?}");
-        job += &format!("[[path.offset]]\nsystem = \"{system}\"\n{place}\n");
-    }
-    visit.put("errors.csv", ERRORS).put("job.toml", job).put("part.nc", program);
+    let visit = Visit::of("base/part");
+    visit.edit("job.toml", "[path]\n", &format!("[path]\n{path}\n")).put("part.nc", program);
     visit
 }
 
 fn summary(path: &str, program: &str) -> Value {
     visit(path, program).run("path job.toml part.nc --format json").ends(0).json()
-}
-
-/// Where the moves of a program end, machine coordinates.
-fn ends(program: &str) -> Vec<String> {
-    let visit = visit("moves = \"all\"\nsample_mm = 1000.0", program);
-    visit.yes("path job.toml part.nc -o points.csv");
-    let points = visit.read("points.csv");
-    let rows: Vec<&str> = points.lines().skip(1).collect();
-    let end = |pair: &[&str]| {
-        let place = pair[pair.len() - 1].split(',').skip(2).take(3);
-        let place = place.map(|mm| mm.trim_end_matches('0').trim_end_matches('.'));
-        place.collect::<Vec<_>>().join(" ")
-    };
-    rows.chunks(2).map(end).collect()
-}
-
-#[track_caller]
-fn refused(path: &str, program: &str) -> Ran {
-    let visit = visit(path, program);
-    let ran = visit.run("path job.toml part.nc -o points.csv").ends(2);
-    assert!(!visit.has("points.csv"), "{program}");
-    ran
 }
 
 const PART: &str = "%\nO1 (PART)\nG54 G0 X0 Y0 Z0\nG1 X10. F100\nG3 X20. Y10. I0 J10.\nG99 G81 X50. Y50. Z10. R20.\nX40. Y100.\nG80\nM30\n%\n";
@@ -71,9 +38,11 @@ fn the_page_says_what_was_calculated_by_hand() {
     ran.tells(&["path 45.70", moves, "largest error 22.716 µm", "holes, the worst first"]);
 }
 
+/// A byte order mark and CR LF are no part of the program.
 #[test]
 fn every_sample_is_a_row() {
-    let visit = visit("sample_mm = 5.0", "G54 G1 X10. Y0\nG99 G81 X10. Z10. R20.\n");
+    let program = "\u{feff}G54 G1 X10. Y0\r\nG99 G81 X10. Z10. R20.\r\n";
+    let visit = visit("sample_mm = 5.0", program);
     visit.yes("path job.toml part.nc -o points.csv");
     let expected = "line,s_mm,x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,e_um,tangent_um,normal_um,held,hole
 1,0.0000,0.0000,0.0000,0.0000,0.000000,0.000000,0.000000,0.000000,0.000000,0.000000,no,
@@ -96,19 +65,10 @@ fn every_sample_is_a_row() {
 fn pipes_carry_program_and_samples() {
     let visit = visit("", PART);
     visit.yes("path job.toml part.nc -o points.csv");
-    let piped = "path job.toml - -o -";
-    let output = visit.with_input(piped, PART.as_bytes());
-    assert_eq!(output.stdout, visit.read("points.csv").as_bytes());
-    let ran = Ran::of(piped, &output).ends(0);
+    let ran = visit.shell("cat part.nc | $N path job.toml - -o -").ends(0);
+    assert_eq!(ran.out, visit.read("points.csv"));
     assert!(ran.err.contains("largest error 22.716 µm"), "{}", ran.err);
     assert!(!visit.has("-"));
-    for (arguments, words) in [
-        ("path - -", "cannot both come from standard input"),
-        ("path job.toml part.nc -o - --format json", "cannot both go to standard output"),
-        ("path job.toml part.nc -o errors.csv --force", "would replace or change `errors.csv`"),
-    ] {
-        visit.run(arguments).ends(2).says(words);
-    }
 }
 
 #[test]
@@ -155,84 +115,6 @@ fn the_smallest_error_is_exact() {
     assert!((number(&least["um"]) - 50.0_f64.sqrt()).abs() < 2e-6, "{least}");
     assert!((number(&least["at_mm"][0]) - 50.0).abs() < 1e-6, "{least}");
     assert_eq!(least["line"], 7);
-}
-
-#[test]
-fn a_cycle_follows_zero_and_length() {
-    let start = "G54 G0 X0 Y0 Z50.\nG99 G81 X10. Y10. Z5. R20.\n";
-    let hole = |change: &str| ends(&format!("{start}{change} X20.\nG80\n"))[5..].to_vec();
-    assert_eq!(hole(""), ["20 10 20", "20 10 5", "20 10 20"]);
-    assert_eq!(hole("G55")[1..], ["20 10 50", "20 10 35", "20 10 50"]);
-    let length = ends("G54 G0 X0 Y0 Z50.\nG43 H0\nG99 G81 X10. Y10. Z5. R20.\nH1 X20.\nG80\n");
-    assert_eq!(length[length.len() - 2..], ["20 10 17.5", "20 10 32.5"]);
-    // A length that is made up for acts once.
-    let start = "G54 G0 G43 H1 X0 Y0 Z50.\n";
-    let last = |program: &str| ends(&format!("{start}{program}")).last().unwrap().clone();
-    assert_eq!(last("G49 G53 Z90.\nG91 G1 Z-5.\n"), "0 0 85");
-    assert_eq!(last("G1 X5.\nG91 G28 Z0 G49\n"), "5 0 0");
-    assert_eq!(ends(&format!("{start}G91 G28 Z0 G49\n")), ["0 0 62.5", "0 0 0"]);
-    assert_eq!(last("G49\nG91 G1 Z-5.\n"), "0 0 45");
-}
-
-#[test]
-fn safety_lines_and_look_ahead_are_words() {
-    assert_eq!(ends("G0 G17 G40 G49 G80 G90 G54\nX5.\nG80 G1 Y5.\n"), ["5 0 0", "5 5 0"]);
-    let look_ahead = "G54 G5.1 Q1\nG05 P10000\nG8 P1\nG1 X5.\nG5.1 Q0\n";
-    let notes = summary("", look_ahead)["notes"].to_string();
-    assert!(notes.contains("look-ahead (G5, G5.1, G8) is switched on 3 times"), "{notes}");
-    // Words of the line of O are executed, each time.
-    let called = ends("G54 G0 X1.\nM98 P2 L2\nM30\nO2 G91 X10.\nG90 Y5.\nM99\n");
-    assert_eq!(called, ["1 0 0", "11 0 0", "11 5 0", "21 5 0"]);
-    // A byte order mark, and CR LF.
-    assert_eq!(ends("\u{feff}O1\r\nG54 G0 X5.\r\nM30\r\n"), ["5 0 0"]);
-}
-
-/// Both directions make the full circle where start and end lie in one direction from the centre.
-#[test]
-fn an_arc_to_its_own_direction_is_a_full_circle() {
-    for word in ["G2", "G3"] {
-        let found = summary("", &format!("G54 G0 X60. Y50. Z0\n{word} X60.005 Y50. I-10.\n"));
-        let length = number(&found["length_mm"]);
-        assert!((length - 20.0025 * std::f64::consts::PI).abs() < 0.02, "{word}: {length}");
-    }
-}
-
-#[test]
-fn what_controls_do_differently_or_not_at_all_is_refused() {
-    const OPEN: &str = "controls differ in where that is now";
-    for (program, words) in [
-        ("G54 G0 Z50.\nG98 G81 X10. Z5. R20.\nG55 X20.\n", OPEN),
-        ("G54 G0 Z50.\nG43 H1\nG91 G99 G81 X10. Z-5. R-20.\n", OPEN),
-        ("G54 G1 X5.\nG10 L2 P0 X5.\n", "`G10 L2 P0` is not executed"),
-        ("G54 G1 X5.\nM98 P2\nX9.\nM30\n%\nO2\nX6.\n%\n", "ends without M99"),
-        ("G54 G1 X5.\nX6. %\n", "part.nc:2:5"),
-        ("G54 G43 G1 Z5.\n", "`G43` without H"),
-        ("G54 G0 X5.\r(end)\rG1 X9. ; all\rX20.\r", "a carriage return inside a line"),
-        ("G54 G0 X5.\nG81 X10. Z5. R9.\nG80 X20.\n", "no motion is active (after `G80`"),
-        ("G54 G1 X10,5\n", "write numbers with a point"),
-        ("G54 G1 X5.\nM8 M98 P77\n", "part.nc:2:4"),
-        ("G54 G5.1 Q2\nG1 X5.\n", "splines and smoothing change the path"),
-    ] {
-        refused("", program).says(words);
-    }
-    // A fault is told once.
-    let ran = refused("", "G54 G1 X5.\nM98 P2 L30\nX10. Y[1/0]\nM30\nO2\nX#1\nM99\n");
-    assert_eq!(ran.err.matches("problem: ").count(), 2, "{}", ran.err);
-    ran.says("part.nc:3:9").says("part.nc:6:2");
-    let ran = refused("", "G65 P9010 X5.\n");
-    assert_eq!(ran.err.matches("problem: ").count(), 1, "{}", ran.err);
-}
-
-#[test]
-fn places_of_the_job_outside_the_travel_are_refused() {
-    let outside = "puts X at 5000 mm, outside the travel 0 … 100 mm";
-    for (path, words) in [
-        ("start_mm = { x = 5000.0, y = 0.0, z = 0.0 }", outside),
-        ("second_reference_mm = { x = 0.0, y = -1.0, z = 0.0 }", "puts Y at -1 mm"),
-        ("[[path.datum]]\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 99999.0", "puts Z at 99999 mm"),
-    ] {
-        refused(path, "G54 G1 X5.\n").says(words);
-    }
 }
 
 #[test]

@@ -169,19 +169,9 @@ fn a_logo_is_a_picture_and_a_table_alone_names_no_machine() {
 #[test]
 fn a_volume_that_cannot_be_computed_is_told() {
     let visit = Visit::with_job("machines/five_points/generic.toml");
-    with_column(&visit, ",ec_urad", ",1");
+    visit.with_column("errors.csv", ",ec_urad", ",1");
     visit.edit("job.toml", "\nchain = ", "\n# chain = ");
     assert!(items(&page(&visit, "job.toml"), "volume")[0].contains("`machine.chain` is missing"));
-}
-
-fn with_column(visit: &Visit, name: &str, value: &str) {
-    let table = visit.read("errors.csv");
-    let rows = table.lines().map(|line| match line.as_bytes()[0] {
-        b'#' => format!("{line}\n"),
-        b'a' => format!("{line}{name}\n"),
-        _ => format!("{line}{value}\n"),
-    });
-    visit.put("errors.csv", rows.collect::<String>());
 }
 
 /// A job that does not say what acted while measuring, with a key that nothing uses.
@@ -362,7 +352,7 @@ fn text_of(part: &str) -> String {
 /// Machine 900, of which nothing is decided: U is large, a limit for the diagonals, keys without use, a doubt.
 fn undecided() -> Visit {
     let visit = Visit::with_job(SIEMENS);
-    with_column(&visit, ",u_ex_um,u_ey_um,u_ez_um", ",3.2,3.2,3.2");
+    visit.with_column("errors.csv", ",u_ex_um,u_ey_um,u_ez_um", ",3.2,3.2,3.2");
     doubted(&visit);
     let limits = "max_deviation_um = 4.0\nmax_diagonal_um = 6.0\nrange_mm = { x = [0.0, 850.0] }";
     visit.edit("job.toml", "max_deviation_um = 10.0", limits);

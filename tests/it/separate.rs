@@ -101,7 +101,7 @@ fn a_measured_linear_axis_serves_as_well_as_its_stated_slope() {
     assert!((end() - stated).abs() < 1e-5, "{}, expected {stated}", end());
 }
 
-/// The same seed gives the same bytes, and two tables are refused.
+/// The same seed gives the same bytes.
 #[test]
 fn the_figures_of_case_d_are_those_of_the_reference() {
     let visit = golden_case("case_d_bidirectional");
@@ -114,9 +114,6 @@ fn the_figures_of_case_d_are_those_of_the_reference() {
     near(&page["diagonals"]["b_d_um"], 9.146_333, 1e-6);
     assert_eq!(page["diagonals"]["label"], "from step-diagonal cell ends, not ISO 230-6");
     assert!(page["errors"].get("EXX+").is_some() && page["errors"].get("EXX-").is_some());
-    visit.edit("job.toml", "[compensation]\n", "[compensation]\nbacklash = \"two-tables\"\n");
-    visit.run("generate job.toml -o kit").ends(2).says("which these readings do not determine");
-    assert!(!visit.has("kit"));
 }
 
 /// The straight diagonals of case A's machine, from its cell ends, with more keys in
@@ -291,17 +288,6 @@ fn straight_runs_give_squareness_one_combination_and_the_closure_test() {
     visit.run("separate job.toml -o errors.csv").ends(2).says(none);
     let none = "straight runs of the diagonals hold no nine errors";
     visit.run("generate job.toml -o kit").ends(2).says(none);
-}
-
-#[test]
-fn an_existing_table_is_kept_and_a_job_of_errors_is_not_separated() {
-    let visit = golden_case("case_a_ideal");
-    visit.put("errors.csv", "mine");
-    let exists = "exists, so it is not overwritten";
-    visit.run("separate job.toml -o errors.csv").ends(2).says(exists);
-    assert_eq!(visit.read("errors.csv"), "mine");
-    let visit = Visit::with_job("nine_errors_900/generic.toml");
-    visit.run("separate job.toml").ends(2).says("separated already");
 }
 
 /// 5 µm at 900 mm are 5.6 µm/m.

@@ -1,5 +1,5 @@
-//! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and what is
-//! wrong with files of runs of one axis.
+//! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and files of
+//! runs of one axis (what is wrong with them: fixtures/cases/refuses/standards.txt).
 use crate::support::{DIAGONALS, Ran, Visit, fixtures, holds, page, program, shared, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
@@ -410,22 +410,10 @@ fn layouts_units_and_values_agree() {
     }
 }
 
+/// Positions are taken without a word only where the values leave no doubt (fixtures/cases/refuses/standards.txt).
 #[test]
-fn a_separator_in_quotation_marks_separates_nothing() {
-    let text = "target_mm;up1_mm;dn1_mm\n0;\"0,001\";\"0;002\"\n";
-    let words = read(text, Stated::default()).unwrap_err();
-    assert!(words.contains("`dn1_mm` is `0;002`, expected a finite number"), "{words}");
-    assert!(!words.contains("cells"), "{words}");
-}
-
-/// Positions are taken without a word only where the values leave no doubt.
-#[test]
-fn values_that_can_be_both_are_asked_for() {
-    let open = |text: &str| read(text, Stated::default()).unwrap_err();
+fn values_that_can_be_both_are_taken_as_stated() {
     let around_zero = "target_mm,up1_mm,dn1_mm\n-50,-0.003,-0.001\n50,0.003,0.002\n";
-    assert!(open(around_zero).contains("they look like deviations"));
-    let tiny = "target_mm,up1_mm\n-0.001,-0.0013\n0.001,0.0004\n";
-    assert!(open(tiny).contains("they are far from the targets as either"));
     let positions = "target_mm,up1_mm,dn1_mm\n-50,-50.003,-50.001\n50,50.003,50.002\n";
     assert!(read(positions, Stated::default()).is_ok());
     for (values, expected) in [(Values::Deviations, -3.0), (Values::Positions, 49997.0)] {
@@ -441,24 +429,6 @@ fn targets_may_be_closer_than_the_deviations() {
     let named = "target_mm,run,direction,deviation_um\n0,1,+,1\n0.02,1,+,2\n0.04,1,+,11\n";
     for (text, stated) in [(runs, DEVIATIONS), (named, Stated::default())] {
         near(Some(first_run(&read(text, stated).unwrap(), Direction::Plus)[0]), 1.0);
-    }
-}
-
-/// All problems of a file come at once, each with line and column.
-#[test]
-fn every_cell_that_is_wrong_is_named() {
-    let text = "target_mm,up1_mm,up2_mm\n0,,0.001\nten,10.001,10.002\n20,20.001,1e12\n30,30.001\n";
-    let words = read(text, Stated::default()).unwrap_err();
-    for expected in [
-        "runs.csv:2:3",
-        "`up1_mm` is empty",
-        "runs.csv:3:1",
-        "`target_mm` is `ten`",
-        "runs.csv:4:11",
-        "too large for any machine",
-        "the row has 2 cells, expected 3",
-    ] {
-        assert!(words.contains(expected), "`{expected}` is not said:\n{words}");
     }
 }
 

@@ -1,13 +1,11 @@
 //! Part programs without end are refused after 20 million blocks, the largest ones run to their end. Each takes
-//! seconds unoptimised: plain `cargo test` runs one.
+//! seconds unoptimised: plain `cargo test` runs that of fixtures/cases/refuses/path.txt alone.
 use crate::support::{Ran, Visit, short_or};
 
 /// What `nonius path` says of a program.
 fn path(program: &str) -> Ran {
-    let visit = Visit::of("base/path");
-    let zero = "[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
-    visit.put("job.toml", visit.read("job.toml") + zero).put("part.nc", program);
-    visit.run("path job.toml part.nc --format json")
+    let visit = Visit::of("base/part");
+    visit.put("part.nc", program).run("path job.toml part.nc --format json")
 }
 
 #[test]
@@ -20,11 +18,11 @@ fn a_program_without_end_is_refused_with_its_reason() {
         (&format!("G54 G91 G0 X0 Y0 Z0\n{holes}M30"), ""),
     ];
     let says = "more than 20000000 blocks and mm; the last of them begin in line ";
-    for (program, line) in &calls[..short_or(1, 4)] {
+    for (program, line) in &calls[..short_or(0, 4)] {
         path(program).ends(2).says(&format!("{says}{line}")).says("L and P of M98");
     }
     let loops = ["N10 G1 X1\nGOTO 10", "#1=0\nWHILE [#1 EQ 0] DO1\nEND1"];
-    for program in &loops[..short_or(1, 2)] {
+    for program in &loops[..short_or(0, 2)] {
         path(program).ends(2).says("more than 20000000 blocks");
     }
 }

@@ -86,12 +86,18 @@ pub(crate) fn readings(text: &str, of: &DiagonalMeasurement) -> Result<Readings,
     Readings::read(source("readings.csv", text), of).map_err(|problems| problems.render())
 }
 
+/// The measurement of the diagonals of a job.
+pub(crate) fn measured_by(job: &str) -> DiagonalMeasurement {
+    match read_job(job).measurement.data {
+        MeasuredData::Diagonals(measurement) => measurement,
+        _ => panic!("no readings in\n{job}"),
+    }
+}
+
 /// The measurement of a golden case of diagonals, and its readings.
 pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
-    let MeasuredData::Diagonals(measurement) = read_job(&text("job.toml")).measurement.data else {
-        panic!("{case} has no readings")
-    };
+    let measurement = measured_by(&text("job.toml"));
     let read = readings(&text(&measurement.readings), &measurement);
     (measurement, read.unwrap_or_else(|said| panic!("{said}")))
 }

@@ -1,9 +1,8 @@
 //! A visit in a folder of its own: its inputs, the program run there, what was printed and written.
 
-use super::tree::{Tree, lay, tree};
+use super::tree::{Tree, difference, lay, tree};
 use serde_json::Value;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -194,6 +193,17 @@ impl Visit {
         self.put(name, replaced(&self.read(name), old, new))
     }
 
+    /// Gives every row of an error table one more column, or several.
+    pub(crate) fn with_column(&self, table: &str, name: &str, value: &str) {
+        let text = self.read(table);
+        let rows = text.lines().map(|line| match line.as_bytes()[0] {
+            b'#' => format!("{line}\n"),
+            b'a' => format!("{line}{name}\n"),
+            _ => format!("{line}{value}\n"),
+        });
+        self.put(table, rows.collect::<String>());
+    }
+
     /// Copies a file of the fixtures under a name.
     pub(crate) fn copy(&self, from: &str, name: &str) -> &Visit {
         self.put(name, fs::read(fixtures(from)).unwrap_or_else(|e| panic!("{from}: {e}")))
@@ -236,13 +246,13 @@ impl Visit {
         Ran::of(command, &output)
     }
 
-    /// Runs a command with something on standard input.
-    pub(crate) fn with_input(&self, command: &str, input: &[u8]) -> Output {
-        let mut program = program(self.folder(), command);
-        program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = program.spawn().expect("the program starts");
-        child.stdin.take().expect("its input").write_all(input).expect("it is read");
-        child.wait_with_output().expect("it ends")
+    /// Runs a line of a shell that is refused and changes nothing; `$N` is the program.
+    #[track_caller]
+    pub(crate) fn refuses(&self, line: &str) -> Ran {
+        let before = self.files();
+        let ran = self.shell(line).ends(2);
+        assert_eq!(difference(&before, &self.files()), "", "{line}");
+        ran
     }
 
     /// Runs a line of a shell in the folder; `$N` is the program.

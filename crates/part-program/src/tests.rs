@@ -219,6 +219,43 @@ fn cycles_drill_holes() {
     assert_eq!(ends("G18 G0 Y9\nG81 X1 Z2 Y-1 R1\nG80")[1..3], ["r1 9 2", "r1 1 2"]);
 }
 
+/// A cycle goes on from another zero or with another length; a length that is made up for acts once.
+#[test]
+fn a_cycle_follows_zero_and_length() {
+    let hole = |before: &str, change: &str| {
+        let cycle = "G99 G81 X10 Y10 Z5 R20\n";
+        ends(&format!("G0 X0 Y0 Z50\n{before}{cycle}{change} X20\nG80"))[6..].to_vec()
+    };
+    assert_eq!(hole("", ""), ["20 10 5", "r20 10 20"]);
+    assert_eq!(hole("", "G55"), ["120 210 305", "r120 210 320"]);
+    assert_eq!(hole("G43 H0\n", "H1"), ["20 10 55", "r20 10 70"]);
+    let last = |program: &str| ends(&format!("G0 G43 H1 Z50\n{program}")).pop();
+    assert_eq!(last("G49 G53 Z90\nG91 G1 Z-5").as_deref(), Some("0 0 85"));
+    assert_eq!(last("G1 X5\nG91 G28 Z0 G49").as_deref(), Some("r5 0 500"));
+    assert_eq!(last("G49\nG91 G1 Z-5").as_deref(), Some("0 0 45"));
+}
+
+#[test]
+fn safety_lines_and_look_ahead_are_words() {
+    let safety = "G0 G17 G40 G49 G80 G90 G54\nX5\nG80 G1 Y5";
+    assert_eq!(ends(safety), ["r5 0 0", "5 5 0"]);
+    let look_ahead = "G5.1 Q1\nG05 P10000\nG8 P1\nG1 X5\nG5.1 Q0";
+    let told = "look-ahead (G5, G5.1, G8) is switched on 3 times";
+    assert!(notes(&control(), look_ahead).contains(told));
+    // Words of the line of O are executed, each time.
+    let called = ends("G0 X1\nM98 P2 L2\nM30\nO2 G91 X10\nG90 Y5\nM99");
+    assert_eq!(called, ["r1 0 0", "r11 0 0", "r11 5 0", "r21 5 0"]);
+}
+
+/// Both directions, where start and end lie in one direction from the centre.
+#[test]
+fn an_arc_to_its_own_direction_is_a_full_circle() {
+    for word in ["G2", "G3"] {
+        let (circle, _) = arc(&format!("G1 X60 Y50\n{word} X60.005 Y50 I-10"));
+        assert!((circle.sweep_rad.abs() - std::f64::consts::TAU).abs() < 1e-3, "{word}");
+    }
+}
+
 #[test]
 fn depths_of_a_cycle_are_read_in_the_mode_of_the_block_that_drills() {
     // RS274/NGC: the numbers of R and Z are modal, their meaning is that of the block.

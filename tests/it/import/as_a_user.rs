@@ -114,29 +114,8 @@ fn a_column_for_each_run_is_understood() {
         // 12.3000, 12.2991, 12.2994, 12.3004 and 12.2999 at target 12.3.
         holds(&visit.read("e.csv"), &[row, "# degrees of freedom: "]);
     }
-    visit.put("d.csv", "target_mm,up1_mm\n0,0.001\n100,0.002\n");
-    run("d.csv", &format!("--yes {PLACED}")).ends(2).says("positions or deviations");
     visit.put("x.rtl", file(RTL));
     run("x.rtl", &IMPORT["import x.rtl".len()..].replace("--term EXX", "--yes")).ends(0);
-}
-
-/// A sign that is stated for deviations would turn positions, too.
-#[test]
-fn positions_and_deviations_are_not_mapped_together() {
-    let visit = Visit::new();
-    visit.put("x.csv", "T,A,B\n0,0,0\n100,100.003,1\n200,200.005,2\n");
-    for (b, words) in [
-        ("ey_um", "a reading of `--term` and components by name"),
-        ("ex_um", "a reading of `--term` and components by name"),
-        ("run1_deviation_um", "where the axis stood and deviations"),
-    ] {
-        let columns = format!("T=target_mm,A=actual_mm,B={b}");
-        let signed = "--direction both --sign as-correction";
-        visit
-            .run(&format!("import x.csv -o e.csv --columns {columns} {PLACED} {signed}"))
-            .ends(2)
-            .says(words);
-    }
 }
 
 proptest! {
