@@ -123,11 +123,11 @@ fn a_profile_may_write_the_other_type() {
 #[test]
 fn the_interpreter_of_linuxcnc_takes_the_programs() {
     let visit = visit(NONE, TWO);
-    let axes = "axes = { z = { travel_mm = [-100, 0], reference_mm = 0 }, ";
-    visit.edit("job.toml", "axes = { ", axes);
-    let z = "[program]\nwhat = \"step-diagonal\"\nstart_mm = { x = 10, y = 10, z = -90 }\n\
+    let z = "name = \"M\"\naxes.z = { travel_mm = [-100, 0], reference_mm = 0 }";
+    visit.edit("job.toml", "name = \"M\"", z);
+    let asked = "[program]\nwhat = \"step-diagonal\"\nstart_mm = { x = 10, y = 10, z = -90 }\n\
              size_mm = { x = 80, y = 80, z = 80 }\nsteps = 4\norder = \"XYZ\"\n[acceptance]";
-    visit.edit("job.toml", "[acceptance]", z);
+    visit.edit("job.toml", "[acceptance]", asked);
     visit.yes("program job.toml -o programs");
     let files = visit.files();
     let programs: Vec<_> = files.keys().filter(|name| name.ends_with(".ngc")).collect();

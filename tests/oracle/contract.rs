@@ -10,6 +10,7 @@ mod case;
 mod fanuc_numbers;
 mod forecast;
 mod one_way;
+mod stages;
 
 use crate::support::machine::{Machine, machine};
 use crate::support::{self, control, in_parallel, loaded, short_or, um_at, with_signs_turned};
