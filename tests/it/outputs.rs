@@ -74,14 +74,14 @@ fn twenty_at_once_with_force_lose_nothing() {
 }
 
 /// A form of three captures, filled in from a list in the same place.
-const FILL_IN: &str = "import list.txt --form form.csv --columns #1=displacement_mm --captures cumulative \
+const FILL_IN: &str = "import list.txt --form form.csv --columns \"#1=displacement_mm\" --captures cumulative \
     --decimal comma -o form.csv --force";
 
 #[test]
 fn of_twenty_that_fill_in_one_form_one_does() {
     let visit = Visit::of("base/form");
     assert_eq!(twenty(&visit, FILL_IN), 1);
-    assert!(visit.read("form.csv").contains("1,1,+,0\n"));
+    assert!(visit.read("form.csv").contains("1,1,+,500\n"));
 }
 
 /// Standard input is an input like any other.
