@@ -390,24 +390,19 @@ fn squareness_leaves_the_reference_zero_where_it_was_not_measured() {
 /// spacing, 5 µm. A job that says where its table ends gets that.
 #[test]
 fn a_grid_covers_a_long_travel_unless_the_job_says_where_it_ends() {
-    for (request, ends) in [
-        ("max_residual_um = 30.0", [0.0, 5000.0]),
-        ("points = 2", [0.0, 5000.0]),
-        ("spacing_mm = 50.0\nstart_mm = 100.0\nend_mm = 400.0", [100.0, 400.0]),
+    for (request, reference, ends) in [
+        ("max_residual_um = 30.0", 0.0, [0.0, 5000.0]),
+        ("points = 2", 0.0, [0.0, 5000.0]),
+        ("spacing_mm = 50.0\nstart_mm = 100.0\nend_mm = 400.0", 200.0, [100.0, 400.0]),
     ] {
         let um = [vec![0.0, 7.0, -3.0, 11.0], vec![0.0; 4], vec![0.0; 4]];
         let mm = vec![0.0, 1500.0, 3500.0, 5000.0];
         let rails =
-            [(); 3].map(|()| Rail { mm: mm.clone(), um: um.clone(), reference: 0.0, spacing: 0.0 });
+            [(); 3].map(|()| Rail { mm: mm.clone(), um: um.clone(), reference, spacing: 0.0 });
         let text = job(&rails, "generic", "", |_| request.to_string(), "");
         let inputs = support::inputs(&text, &csv(&rails, METRIC));
-        let grid = kit::generate(&inputs)
-            .unwrap_or_else(|p| panic!("{}", p.render()))
-            .plan
-            .grids
-            .x
-            .unwrap();
-        let (first, last) = grid.range();
+        let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
+        let (first, last) = kit.plan.grids.x.unwrap().range();
         let is_covered = first.mm() <= ends[0] + 2e-6 && last.mm() >= ends[1] - 2e-6;
         let is_meant = ends[1] > 400.0 || [first.mm(), last.mm()] == ends;
         assert!(is_covered && is_meant, "{request}: {first:?} to {last:?}");
