@@ -163,7 +163,7 @@ fn tables<'a>(
         None => {
             let kit = generate(inputs)?;
             let (words, files) = ("with the tables that generate makes from it", &kit.files);
-            (words.to_string(), hashes(&files), Some(rehearsed(inputs, &files, None)?))
+            (words.to_string(), hashes(files), Some(rehearsed(inputs, files, None)?))
         }
         Some(directory) => {
             let found = read_directory(files, inputs, directory)?;
