@@ -65,15 +65,16 @@ def _pictures(va_um: pd.Series, judged: pd.DataFrame, limit_um: float | None) ->
     """How VA is distributed at the last visits, and its tenth, middle and ninetieth percentile in each year."""
     if va_um.empty:
         return ""
-    limit = [] if limit_um is None else [("limit", [(0.0, limit_um, 0.0)])]
     heights, edges = np.histogram(va_um, bins="sqrt" if len(va_um) < 400 else 20)
     bars = [(float(a), float(b), float(n)) for a, b, n in zip(edges, edges[1:], heights)]
     years = judged.groupby(judged["date"].dt.year)["va_um"].quantile([0.1, 0.5, 0.9]).unstack()
     band = [(float(year), row[0.1], row[0.9]) for year, row in years.iterrows()]
     line = [(float(year), row[0.5], 0.0) for year, row in years.iterrows()]
+    ends = float(years.index.min()) - 0.5, float(years.index.max()) + 0.5
+    limit = [] if limit_um is None else [("limit", [(end, limit_um, 0.0) for end in ends])]
     top = max([high for _, _, high in band] + [limit_um or 0.0])
     panels = [
         ("machines by VA at their last visit", ("VA / µm", float(edges[0]), float(edges[-1])), ("machines", 0.0, float(heights.max())), [("bars", bars)]),
-        ("VA of all visits: median, 10 to 90 %", ("year", float(years.index.min()) - 0.5, float(years.index.max()) + 0.5), ("VA / µm", 0.0, top), [("band", band), ("line", line), *limit]),
+        ("VA of all visits: median, 10 to 90 %", ("year", *ends), ("VA / µm", 0.0, top), [("band", band), ("line", line), *limit]),
     ]
     return _core.picture("Volumetric accuracy (VA) as found", panels)

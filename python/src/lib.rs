@@ -27,7 +27,7 @@ mod _core {
     /// A label with its unit, and both ends.
     type Axis = (String, f64, f64);
     /// What is drawn, and three numbers each time: from, to and height of bars; place and both ends of a band; place, height
-    /// and nothing of a line; nothing, height and nothing of a limit.
+    /// and nothing of a line or a limit.
     type Drawn = (String, Vec<(f64, f64, f64)>);
 
     /// A picture (SVG) of panels side by side: title, the axes across and up, what is drawn.
@@ -54,7 +54,7 @@ mod _core {
             "bars" => Ok(Mark::Bars(Ink::AsFound, numbers)),
             "band" => Ok(Mark::Band(Ink::AsFound, numbers)),
             "line" => Ok(Mark::Line(Ink::AsFound, pairs())),
-            "limit" => Ok(Mark::Level(Ink::Limit, numbers.first().map_or(0.0, |number| number.1))),
+            "limit" => Ok(Mark::Line(Ink::Limit, pairs())),
             _ => Err(PyValueError::new_err(format!("nothing is drawn as {kind}"))),
         }
     }

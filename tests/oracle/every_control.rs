@@ -110,7 +110,7 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
         }
         assert_eq!(kit.forecast.diagonals.len(), 4);
         for (diagonal, (name, before)) in kit.forecast.diagonals.iter().zip(DIAGONALS_UM) {
-            assert_eq!(diagonal.name, name);
+            assert_eq!(diagonal.diagonal.name(), name);
             let (found, left) = (diagonal.change.before_um, diagonal.change.after_um);
             assert!((found - before).abs() <= FIGURE_UM, "{id} {name}: {found}");
             // Without its straightness and squareness a diagonal may become larger.

@@ -138,7 +138,7 @@ impl Case {
         }
         for of in &kit.forecast.diagonals {
             let left = left_along_diagonal(machine, cycles, of.diagonal.name());
-            let what = format!("{}: {}", machine.name, of.name);
+            let what = format!("{}: {}", machine.name, of.diagonal);
             seen.is_forecast(&what, left, of.change.after_um);
         }
     }
