@@ -17,7 +17,7 @@ mod outlook;
 pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::Separation;
 use super::curves::{Curve, range};
-use super::linear::CurveRows;
+use super::linear::{CurveRows, Row};
 use super::readings::{Noise, student};
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
@@ -39,6 +39,7 @@ const CONFIDENCE: f64 = 0.95;
 struct TableCurve {
     term: ErrorTerm,
     way: Option<Direction>,
+    /// Less the value at the reference.
     rows: CurveRows,
     /// Where it stands among the curves that is zero at the reference, and the place of that, in steps.
     zero: (usize, f64),
@@ -169,43 +170,33 @@ impl<'a> Table<'a> {
             let machine = job.machine.axes[term.along];
             let homing = machine.map(|axis| axis.homing());
             let ways = &directions[term.along];
-            let zero = ways.iter().position(|way| *way == homing).unwrap_or(0) + curves.len();
             // Where the reference lies, in steps; the end that is nearest to one beyond.
             let (start, step) = (of.volume.start[term.along].mm(), of.volume.step_mm(term.along));
             let at = machine.map_or(0.0, |axis| (axis.reference.mm() - start) / step);
             let at = at.clamp(0.0, of.volume.steps_f64());
-            for way in ways {
-                let Some(found) = of.of_table(term, *way) else { continue };
-                um.extend(&found.deviation_um);
-                curves.push(TableCurve {
-                    term,
-                    way: *way,
-                    rows: found.rows.merged(),
-                    zero: (zero, at),
-                });
+            let all = ways.iter().filter_map(|way| Some((*way, of.of_table(term, *way)?)));
+            let all: Vec<_> = all.collect();
+            let zero = all.iter().position(|(way, _)| *way == homing).unwrap_or(0);
+            let Some((_, reference)) = all.get(zero) else { continue };
+            let (zero_um, zero_row) = (between(&reference.deviation_um, at), reference.rows.at(at));
+            let zero = (curves.len() + zero, at);
+            for (way, found) in all {
+                um.extend(found.deviation_um.iter().map(|um| um - zero_um));
+                let mut rows = found.rows.merged();
+                rows.start = Row::sum([(1.0, &rows.start), (-1.0, &zero_row)]).merged();
+                curves.push(TableCurve { term, way, rows, zero });
             }
         }
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
-        let mut table = Table { of, um: Vec::new(), by_cause: Vec::new(), laser, curves };
-        table.um = table.beside_reference(&um, -1.0);
+        let mut table = Table { of, um, by_cause: Vec::new(), laser, curves };
         table.by_cause = of.model.causes.iter().map(|of| table.moved_by(&of.column)).collect();
         table
     }
 
-    /// The values for these entries of z, less those at the reference.
+    /// The values for these entries of z.
     fn moved_by(&self, z: &[f64]) -> Vec<f64> {
-        let curves = self.curves.iter().map(|curve| &curve.rows);
-        let values = curves.flat_map(|rows| rows.values(z, rows.line.dot(z)));
-        self.beside_reference(&values.collect::<Vec<_>>(), -1.0)
-    }
-
-    /// All values, each with so many times that at its reference.
-    fn beside_reference(&self, values: &[f64], times: f64) -> Vec<f64> {
-        let beside = |(index, curve): (usize, &TableCurve)| {
-            let zero = times * at(self.curve(values, curve.zero.0), curve.zero.1);
-            self.curve(values, index).iter().map(move |um| um + zero)
-        };
-        self.curves.iter().enumerate().flat_map(beside).collect()
+        let rows = self.curves.iter().map(|curve| &curve.rows);
+        rows.flat_map(|rows| rows.values(z, rows.line.dot(z))).collect()
     }
 
     fn nothing(&self) -> Vec<f64> {
@@ -382,7 +373,7 @@ pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Opti
 }
 
 /// A curve between its points.
-pub(super) fn at(curve: &[f64], place: f64) -> f64 {
+pub(super) fn between(curve: &[f64], place: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation, reason = "a place in a list")]
     let below = place.floor() as usize;
     let low = curve.get(below).copied().unwrap_or(0.0);

@@ -355,6 +355,18 @@ impl CurveRows {
         CurveRows { start, steps, line, line_um: self.line_um }
     }
 
+    /// What the value at a place hangs on, in steps from the low end.
+    pub(super) fn at(&self, place: f64) -> Row {
+        let mut row = self.start.clone();
+        let mut left = place;
+        for step in self.steps.iter() {
+            row.add(left.clamp(0.0, 1.0), step);
+            left -= 1.0;
+        }
+        row.add(place / self.steps.len().max(1) as f64, &self.line);
+        row
+    }
+
     /// The values for these entries; `line_um`: the line at the high end.
     pub(super) fn values(&self, z: &[f64], line_um: f64) -> Vec<f64> {
         let last = self.steps.len().max(1) as f64;

@@ -11,7 +11,7 @@
 
 use super::Separation;
 use super::curves::{ReferenceLine, mean, range};
-use super::joint::at;
+use super::joint::between;
 use super::readings::float;
 use crate::quantity::{Plane, Squared};
 use rand_chacha::ChaCha8Rng;
@@ -65,7 +65,7 @@ impl Figure {
         let mean = mean(values.iter().copied());
         let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
         let last = float(values.len() - 1);
-        let mirrored = |share: f64| 2.0 * estimate - at(&values, share * last);
+        let mirrored = |share: f64| 2.0 * estimate - between(&values, share * last);
         Figure {
             name,
             unit,

@@ -10,7 +10,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, at, largest, quantile, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, between, largest, quantile, random, sum};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
@@ -72,7 +72,7 @@ impl Separation {
     ) -> Vec<(Part, f64)> {
         let table = Table::new(self, job);
         let points = table.points();
-        let row = |place: usize| table.row(place / points, place % points);
+        let row = |place: usize| table.curves[place / points].rows.at(float(place % points));
         let values = table.values(errors).into_iter().enumerate();
         let own = values.filter(|(place, _)| table.curves[place / points].term == term);
         let u = |place| larger(self.model.variance(&row(place)).all, 0.0).sqrt();
@@ -92,28 +92,12 @@ impl Separation {
 }
 
 impl Table<'_> {
-    /// What an error hangs on, less that at the reference.
-    fn row(&self, curve: usize, index: usize) -> Row {
-        let (zero, place) = self.curves[curve].zero;
-        #[allow(clippy::cast_possible_truncation, reason = "a place")]
-        let ends = [(1.0, curve, index), (-1.0, zero, place.round() as usize)];
-        let mut row = Row::default();
-        for (sign, curve, index) in ends {
-            let rows = &self.curves[curve].rows;
-            row.add(sign, &rows.start);
-            rows.steps.iter().take(index).for_each(|step| row.add(sign, step));
-            row.add(sign * float(index) / self.of.volume.steps_f64(), &rows.line);
-        }
-        row
-    }
-
-    /// Something of u² of each value, its reference included, without angles and what the laser repeats.
+    /// Something of u² of each value, without angles and what the laser repeats.
     fn variances(&self, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
         model.angles.clear();
         self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
-        let own = self.curves.iter().flat_map(|curve| curve.rows.variances(&model));
-        self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
+        self.curves.iter().flat_map(|curve| curve.rows.variances(&model)).map(of).collect()
     }
 
     /// What was found of each, µm; 0 where nothing was.
@@ -154,7 +138,7 @@ impl Table<'_> {
             let ways: Vec<&[f64]> = ways.map(|(index, _)| self.curve(values, index)).collect();
             let of_place = |place: usize| mean(ways.iter().map(|way| way[place]));
             let held: Vec<f64> = (0..self.points()).map(of_place).collect();
-            let zero = at(&held, curve.zero.1);
+            let zero = between(&held, curve.zero.1);
             held.into_iter().map(|um| um - zero).collect::<Vec<f64>>()
         };
         self.curves.iter().enumerate().flat_map(of).collect()
