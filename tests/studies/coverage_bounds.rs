@@ -34,15 +34,15 @@ const AHEAD_MM: f64 = 500.0;
 const MIDDLE: f64 = 0.5;
 
 /// One angle by the share of the travel, µrad.
-type Angle = Box<dyn Fn(f64) -> f64>;
+pub(super) type Angle = Box<dyn Fn(f64) -> f64>;
 
 /// A rigid machine with angles, `wXYZt`, and four set-ups.
-struct Rigid {
+pub(super) struct Rigid {
     /// Nine errors and lost motion.
-    nine: Machine,
-    angles: Vec<(Rotation, Angle)>,
+    pub(super) nine: Machine,
+    pub(super) angles: Vec<(Rotation, Angle)>,
     /// The beam beside the mirror's normal in each set-up, rad.
-    beam: PerDiagonal<PerAxis<f64>>,
+    pub(super) beam: PerDiagonal<PerAxis<f64>>,
 }
 
 impl Rigid {
@@ -78,7 +78,7 @@ impl Rigid {
     }
 
     /// The nine errors of the lines through the middle, in the X-primary frame.
-    fn truth(&self) -> Machine {
+    pub(super) fn truth(&self) -> Machine {
         let n = self.volume().steps;
         let mut truth = self.nine.clone();
         for along in Axis::ALL {
@@ -108,7 +108,7 @@ impl Rigid {
 
     /// Readings of a pass, µm: a plane wave along b, reflected by a plane through the tool point with
     /// the normal n, has gone 2 (b·n)(n·w) further for a mirror w from the head.
-    fn readings(&self, back: Option<bool>) -> PerDiagonal<Vec<f64>> {
+    pub(super) fn readings(&self, back: Option<bool>) -> PerDiagonal<Vec<f64>> {
         PerDiagonal::from_fn(|d| {
             let u = self.volume().laser(d);
             let normal = unit(u.plus(self.nine.lean[d]));
@@ -130,12 +130,12 @@ impl Rigid {
     }
 }
 
-fn unit(v: PerAxis<f64>) -> PerAxis<f64> {
+pub(super) fn unit(v: PerAxis<f64>) -> PerAxis<f64> {
     v.times(1.0 / v.length())
 }
 
 /// A vector of this length across another one.
-fn across(of: PerAxis<f64>, length: f64, random: &mut ChaCha8Rng) -> PerAxis<f64> {
+pub(super) fn across(of: PerAxis<f64>, length: f64, random: &mut ChaCha8Rng) -> PerAxis<f64> {
     let any = PerAxis::from_fn(|_| normal(random));
     unit(any.cross(of)).times(length)
 }

@@ -20,6 +20,7 @@ mod coverage_bounds;
 mod doubts;
 mod endless;
 mod exchanged;
+mod good_practice;
 mod plan;
 mod right_kits;
 mod separation_laws;

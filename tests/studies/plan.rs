@@ -30,6 +30,8 @@ const TIMES: SetUpTimes = SetUpTimes { diagonal_min: 30.0, linear_min: 20.0 };
 struct Row {
     name: &'static str,
     size: [f64; 3],
+    /// Where the reference lies: the share of the travel.
+    reference: f64,
     steps: usize,
     /// Keys of `[program]`.
     program: &'static str,
@@ -45,6 +47,7 @@ struct Row {
 const PLAIN: Row = Row {
     name: "one direction, linear X and Y",
     size: [900.0, 720.0, 720.0],
+    reference: 0.0,
     steps: 15,
     program: "bidirectional = false",
     noise: (0.3, true),
@@ -83,7 +86,10 @@ impl Row {
             (_, false) => String::new(),
         };
         let axis = |(axis, size)| {
-            format!("axes.{axis} = {{ travel_mm = [0.0, {size:?}], reference_mm = 0.0 }}\n")
+            let reference = self.reference * size;
+            format!(
+                "axes.{axis} = {{ travel_mm = [0.0, {size:?}], reference_mm = {reference:?} }}\n"
+            )
         };
         let axes = [("x", x), ("y", y), ("z", z)].map(axis).concat();
         format!(
@@ -187,8 +193,20 @@ fn second_passes(row: &Row, planned: &Visit, job: &Job, seed: u64) -> bool {
 fn as_many_second_measurements_pass_as_a_plan_promises() {
     let many = share(400, 10);
     const NONE: &str = "[measurement.uncertainty]\nangle_urad = 0\n";
-    for (index, (row, factor)) in (0..).zip([(0, 1.6), (2, 1.7), (4, 1.7), (7, 1.5)]) {
-        let row = &ROWS[row];
+    let [first, linear, three, turn, set_ups] = [0, 2, 4, 5, 7].map(|row| &ROWS[row]);
+    let high =
+        &Row { name: "linear X, Y and Z, reference at the high end", reference: 1.0, ..*linear };
+    let middle = &Row { name: "three runs, reference in the middle", reference: 0.5, ..*three };
+    let rows = [
+        (first, 1.6),
+        (linear, 1.7),
+        (three, 1.7),
+        (set_ups, 1.5),
+        (turn, 1.6),
+        (high, 1.7),
+        (middle, 1.7),
+    ];
+    for (index, (row, factor)) in (0..).zip(rows) {
         let text = row.text().replace("[measurement.uncertainty]\n", NONE);
         let limit_um = factor * row.visit(&read(&text)).at_most_um().unwrap();
         let job = read(&format!("{text}[acceptance]\nmax_deviation_um = {limit_um}\n"));

@@ -227,8 +227,9 @@ fn a_cycle_follows_zero_and_length() {
         ends(&format!("G0 X0 Y0 Z50\n{before}{cycle}{change} X20\nG80"))[6..].to_vec()
     };
     assert_eq!(hole("", ""), ["20 10 5", "r20 10 20"]);
-    assert_eq!(hole("", "G55"), ["120 210 305", "r120 210 320"]);
-    assert_eq!(hole("G43 H0\n", "H1"), ["20 10 55", "r20 10 70"]);
+    // Y is not commanded and stays.
+    assert_eq!(hole("", "G55"), ["r120 10 320", "120 10 305", "r120 10 320"]);
+    assert_eq!(hole("G43 H0\n", "H1"), ["r20 10 70", "20 10 55", "r20 10 70"]);
     let last = |program: &str| ends(&format!("G0 G43 H1 Z50\n{program}")).pop();
     assert_eq!(last("G49 G53 Z90\nG91 G1 Z-5").as_deref(), Some("0 0 85"));
     assert_eq!(last("G1 X5\nG91 G28 Z0 G49").as_deref(), Some("r5 0 500"));
