@@ -244,8 +244,9 @@ fn ask(section: &Section<'_>, axis: Axis, profile: Option<&Profile>) {
 // A second job that states only in what it differs from the first: the TOML of one over that of the other.
 
 /// What was measured or noted on one day belongs to that day: a second job never takes it from the first.
-const OF_THE_DAY: [&str; 8] = [
+const OF_THE_DAY: [&str; 9] = [
     "date",
+    "instrument",
     "protocol",
     "angles",
     "squareness_um_per_m",

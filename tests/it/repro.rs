@@ -162,9 +162,13 @@ fn what_the_next_measurement_repeats_hangs_on_what_is_stated() {
     visit.run("separate job.toml -o errors.csv --trials 0").answers();
     let (table, after) = (visit.read("errors.csv"), visit.read("after.toml"));
     assert!(table.contains("with the same laser does not repeat, um: 0815: EXX 0."), "{table}");
-    for serial in ["0815", "4711"] {
-        let own = format!("[measurement]\ninstrument = \"{serial}\"\n");
-        visit.put("after.toml", after.replacen("[measurement]\n", &own, 1));
+    // A job without `[machine]` takes what it does not state from the first one, but not the laser.
+    let (_, differs) = after.split_once("[measurement]\n").unwrap();
+    let differs = format!("schema = 1\n[measurement]\n{differs}");
+    let named = |serial| format!("[measurement]\ninstrument = \"{serial}\"\n");
+    let own = |serial| (serial, after.replacen("[measurement]\n", &named(serial), 1));
+    for (serial, after) in [own("0815"), own("4711"), ("", differs)] {
+        visit.put("after.toml", after);
         let left = visit.json("verify job.toml --tables kit --after after.toml");
         let notes = left["notes"].to_string();
         assert_eq!(notes.contains("the scale of the same laser"), serial == "0815", "{notes}");
