@@ -100,6 +100,7 @@ fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
         ))
     });
     let axes: String = axes.collect();
+    // Figures are of the table as it stands; nothing is compensated from it.
     format!(
         "schema = 1\n[machine]\nname = \"error table\"\n{chain}{axes}[measurement]\nerrors = \"-\"\nactive_while_measuring = \"none\"\n"
     )

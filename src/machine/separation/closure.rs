@@ -44,7 +44,7 @@ pub struct Closure {
     pub by_interval: PerAxis<Vec<f64>>,
     /// Its mean over each axis, µm: set-up error or, with a flat mirror, roll.
     pub mean: PerAxis<f64>,
-    /// Expected standard deviation of one w of `by_interval` for readings of 1 µm; 2√2 with one run.
+    /// Expected standard deviation of the w of the middle interval for readings of 1 µm; 2√2 with one run.
     pub scatter: PerAxis<f64>,
     /// Straight ramps of w.
     pub ramps: Option<Ramps>,

@@ -70,6 +70,8 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
         all.notes.extend(file.notes);
         all.unwritten.extend(file.unwritten);
         all.idle.extend(file.idle);
+        all.passed_over += file.passed_over;
+        all.units.extend(file.units);
         all.programs.extend(file.programs);
         all.programs_write_tables |= file.programs_write_tables;
         all.twice.extend(file.twice);
