@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Something wrong on a target.
 pub struct Finding<'a> {
@@ -11,8 +12,9 @@ pub struct Finding<'a> {
     pub wrong: String,
 }
 
-/// How many bytes run to make a case smaller, in 400 runs at most.
+/// How many bytes run to make a case smaller, in 400 runs at most, and how long: slow cases take seconds each.
 const TRIED: usize = 16 << 20;
+const LONGEST: Duration = Duration::from_secs(30);
 
 /// Where findings are kept.
 pub fn folder() -> PathBuf {
@@ -50,9 +52,11 @@ impl Finding<'_> {
         let mut small = input.to_vec();
         let mut part = small.len() / 2;
         let mut left = TRIED;
-        while part > 0 && left > 0 {
+        let begun = Instant::now();
+        let goes_on = |left: usize| left > 0 && begun.elapsed() < LONGEST;
+        while part > 0 && goes_on(left) {
             let mut at = 0;
-            while at < small.len() && left > 0 {
+            while at < small.len() && goes_on(left) {
                 let mut shorter = small.clone();
                 shorter.drain(at..(at + part).min(small.len()));
                 left = left.saturating_sub(shorter.len().max(TRIED / 400));
