@@ -140,9 +140,14 @@ pub(super) fn across(of: PerAxis<f64>, length: f64, random: &mut ChaCha8Rng) -> 
     unit(any.cross(of)).times(length)
 }
 
+/// −1 … 1.
+pub(super) fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
+}
+
 /// How an angle goes over the box, t = −1 … 1, by its bound; 0 in the middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Shape {
+pub(super) enum Shape {
     /// a t − b t², both uniform within half of the bound: what the bound means.
     Meant,
     /// sin πt, two bows, a ramp at one end: of any size within the bound.
@@ -154,9 +159,8 @@ enum Shape {
 }
 
 impl Shape {
-    fn drawn(self, bound_urad: f64, random: &mut ChaCha8Rng) -> Angle {
-        let mut uniform = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
-        let (one, other) = (uniform() * bound_urad, uniform() * bound_urad);
+    pub(super) fn drawn(self, bound_urad: f64, random: &mut ChaCha8Rng) -> Angle {
+        let [one, other] = [(); 2].map(|()| bound_urad * uniform(random));
         let at = move |t: f64| match self {
             Shape::Meant => (one * t - other * t * t) / 2.0,
             Shape::S => one * (std::f64::consts::PI * t).sin(),

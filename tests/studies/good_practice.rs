@@ -1,10 +1,10 @@
 //! Good practice: whole visits to machines whose truth is known, judged by the program and, beside it, by a dense
 //! estimator that knows nothing of the program.
 //!
-//! Both get the same readings. The estimator solves all nine errors, mirrors and zeros at once by least squares, draws
+//! Both get the same readings. The estimator solves all nine errors and mirrors at once by least squares, draws
 //! what is stated, and judges by the same rule (docs/method.md §23): it is what the program could reach. One visit by
 //! default; `NONIUS_SIMULATIONS=all` makes all of them and the table of docs/accuracy.md §8.
-use super::coverage_bounds::{Angle, Rigid, across, unit};
+use super::coverage_bounds::{Angle, Rigid, Shape, across, uniform, unit};
 use crate::support::diagonals::{Machine, dot, float, normal, seeded, volume};
 use crate::support::{in_parallel, is_whole, published, share, short_or};
 use nalgebra::{DMatrix, DVector};
@@ -14,7 +14,6 @@ use nonius::quantity::{
 };
 use nonius::visit::files::Memory;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
 use serde_json::Value;
 use std::fmt::Write;
 use std::iter::once;
@@ -97,26 +96,18 @@ const ROWS: &[Row] = &[
     },
 ];
 
-/// −1 … 1.
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
-}
-
 fn box_18() -> Volume {
     volume(SIZE, STEPS)
 }
 
 impl Row {
-    /// By the share of the travel: a·t − b·t² as the bound means it, or a line and a bow that are 0 at the low end.
+    /// By the share of the travel: as the bound means it, or a line and a bow that are 0 at the low end.
     fn angle(&self, random: &mut ChaCha8Rng) -> Angle {
-        let [one, other] = [(); 2].map(|()| self.urad * uniform(random));
-        if self.is_other {
-            return Box::new(move |s| 0.4 * one * s + 0.6 * other * 4.0 * s * (1.0 - s));
+        if !self.is_other {
+            return Shape::Meant.drawn(self.urad, random);
         }
-        Box::new(move |s| {
-            let t = 2.0 * s - 1.0;
-            (one * t - other * t * t) / 2.0
-        })
+        let [one, other] = [(); 2].map(|()| self.urad * uniform(random));
+        Box::new(move |s| 0.4 * one * s + 0.6 * other * 4.0 * s * (1.0 - s))
     }
 
     fn job(&self, of: &Session, active: &str) -> String {
@@ -158,7 +149,6 @@ struct Session {
 
 /// What drifts while the machine warms up.
 struct Drift {
-    hours: f64,
     scale_ppm: PerAxis<f64>,
     offset_um: PerAxis<f64>,
 }
@@ -167,18 +157,17 @@ impl Drift {
     fn drawn(random: &mut ChaCha8Rng) -> Drift {
         let (um, ppm) = (DRIFT.0, DRIFT.0 / 0.7);
         let offset_um = PerAxis::from_fn(|_| um * normal(random));
-        let scale_ppm = PerAxis::from_fn(|_| ppm * normal(random).abs());
-        Drift { hours: DRIFT.1, scale_ppm, offset_um }
+        Drift { offset_um, scale_ppm: PerAxis::from_fn(|_| ppm * normal(random).abs()) }
     }
 
     /// Its share after so many hours.
-    fn grown(&self, hours: f64) -> f64 {
-        1.0 - (-hours / self.hours).exp()
+    fn grown(hours: f64) -> f64 {
+        1.0 - (-hours / DRIFT.1).exp()
     }
 
     /// µm at a place (mm from the low corner).
     fn at(&self, hours: f64, mm: PerAxis<f64>) -> PerAxis<f64> {
-        let grown = self.grown(hours);
+        let grown = Drift::grown(hours);
         PerAxis::from_fn(|axis| {
             grown * (self.offset_um[axis] + 1e-3 * self.scale_ppm[axis] * mm[axis])
         })
@@ -201,7 +190,7 @@ fn measured(
     });
     let truth = rigid.truth();
     let line = |(at, axis): (usize, &Axis)| {
-        let warmed = drift.grown(begins_h + 0.3 * float(at)) * drift.scale_ppm[*axis];
+        let warmed = Drift::grown(begins_h + 0.3 * float(at)) * drift.scale_ppm[*axis];
         let own = ErrorTerm { of: *axis, along: *axis };
         (*axis, truth.slope(own) + warmed + U_LINE * normal(random))
     };
@@ -268,14 +257,10 @@ fn place(term: ErrorTerm, node: usize) -> usize {
 /// All nine errors of a machine in one vector, µm.
 fn vector(machine: &Machine) -> DVector<f64> {
     let mut all = DVector::zeros(9 * STEPS);
-    for (term, node) in nodes() {
-        all[place(term, node)] = machine.curves[term][node];
+    for term in ErrorTerm::ALL {
+        (1..=STEPS).for_each(|node| all[place(term, node)] = machine.curves[term][node]);
     }
     all
-}
-
-fn nodes() -> impl Iterator<Item = (ErrorTerm, usize)> {
-    ErrorTerm::ALL.into_iter().flat_map(|term| (1..=STEPS).map(move |node| (term, node)))
 }
 
 /// The dense estimator of a row, and what was drawn of its errors, a column each.
