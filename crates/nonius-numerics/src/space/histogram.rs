@@ -102,8 +102,8 @@ fn parts(count: usize, threads: usize) -> Vec<Range<usize>> {
     parts
 }
 
-/// Pairs done together: their bins stay in registers.
-const LANES: usize = 8;
+/// Pairs done together: first the bins of all, then the counting.
+const LANES: usize = 32;
 
 /// Counters of a bin: neighbouring pairs often fall into the same bin, and one counter would
 /// have to wait for itself.
@@ -144,16 +144,17 @@ fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
 /// Counts the pairs of a vector with all that follow it.
 fn count(cloud: &Cloud<'_>, one: usize, tally: &mut Tally) {
     let mut place = one + 1;
-    let lanes = |c: usize| cloud.rough[c][one + 1..].as_chunks().0;
+    let lanes = |c: usize| cloud.rough[c][one + 1..].as_chunks::<LANES>().0;
     let (xs, ys, zs) = (lanes(0), lanes(1), lanes(2));
     let from = [0, 1, 2].map(|c| cloud.rough[c][one]);
+    let mut bins = [0; LANES];
     for ((x, y), z) in xs.iter().zip(ys).zip(zs) {
-        let (bins, clear) = rough_bins(from, [x, y, z], cloud.doubt);
-        for (lane, bin) in bins.into_iter().enumerate() {
-            *counter(tally, bin, lane) += 1;
+        let clear = rough_bins(from, [x, y, z], cloud.doubt, &mut bins);
+        for (lane, bin) in bins.iter().enumerate() {
+            *counter(tally, *bin, lane) += 1;
         }
         if !clear {
-            correct(cloud, one, place, &bins, tally);
+            correct(cloud, one, place, tally);
         }
         place += LANES;
     }
@@ -169,26 +170,42 @@ fn counter(tally: &mut Tally, bin: u32, lane: usize) -> &mut u32 {
 
 /// Bins of a vector and some others; false where a distance is near the edge of its bin.
 #[inline(always)]
-fn rough_bins(from: [f32; 3], [x, y, z]: [&[f32; LANES]; 3], doubt: f32) -> ([u32; LANES], bool) {
-    let (least, most) = (0.5 + doubt, 1.0 - doubt);
-    let (mut bins, mut clear) = ([0; LANES], true);
+fn rough_bins(
+    from: [f32; 3],
+    [x, y, z]: [&[f32; LANES]; 3],
+    doubt: f32,
+    bins: &mut [u32; LANES],
+) -> bool {
+    let mut all_clear = true;
     for lane in 0..LANES {
-        let (dx, dy, dz) = (x[lane] - from[0], y[lane] - from[1], z[lane] - from[2]);
-        let distance = (dx * dx + dy * dy + dz * dz).sqrt();
-        let bin = (distance - least) + INTEGER;
-        clear &= distance - (bin - INTEGER) <= most;
-        bins[lane] = bin.to_bits();
+        let (bin, clear) = rough_bin(from, [x[lane], y[lane], z[lane]], doubt);
+        bins[lane] = bin;
+        all_clear &= clear;
     }
-    (bins, clear)
+    all_clear
 }
 
+/// Bin of a distance, and whether it is not near the edge of its bin.
+#[inline(always)]
+fn rough_bin(from: [f32; 3], to: [f32; 3], doubt: f32) -> (u32, bool) {
+    let (dx, dy, dz) = (to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+    let distance = (dx * dx + dy * dy + dz * dz).sqrt();
+    let bin = (distance - (0.5 + doubt)) + INTEGER;
+    (bin.to_bits(), distance - (bin - INTEGER) <= 1.0 - doubt)
+}
+
+/// Counts anew what was not clear of the pairs done together.
 #[cold]
 #[inline(never)]
-fn correct(cloud: &Cloud<'_>, one: usize, place: usize, bins: &[u32; LANES], tally: &mut Tally) {
-    for (lane, rough) in bins.iter().enumerate() {
-        *counter(tally, *rough, lane) -= 1;
-        let bin = bin(&cloud.exact[one], &cloud.exact[place + lane], cloud.bin_um);
-        tally[bin][lane % COUNTERS] += 1;
+fn correct(cloud: &Cloud<'_>, one: usize, place: usize, tally: &mut Tally) {
+    for lane in 0..LANES {
+        let [from, to] = [one, place + lane].map(|n| [0, 1, 2].map(|c| cloud.rough[c][n]));
+        let (rough, clear) = rough_bin(from, to, cloud.doubt);
+        if !clear {
+            *counter(tally, rough, lane) -= 1;
+            let bin = bin(&cloud.exact[one], &cloud.exact[place + lane], cloud.bin_um);
+            tally[bin][lane % COUNTERS] += 1;
+        }
     }
 }
 
