@@ -32,7 +32,6 @@ pub mod curves;
 mod exchange;
 pub(crate) mod joint;
 mod labels;
-mod linear;
 pub mod metric;
 pub mod monte_carlo;
 pub mod readings;
@@ -46,10 +45,9 @@ mod uncertainty;
 pub use self::campaign::{Campaign, MeasuredLine};
 use self::campaign::{Estimate, LinearReversals};
 use self::closure::{Closure, Patterns, closure, large_noise};
+use self::corrections::AngleEvidence;
 use self::curves::Curve;
 use self::exchange::names;
-use self::linear::Model;
-pub use self::linear::{Part, Uncertainty};
 use self::metric::{Agreement, LineCheck, Metric};
 use self::readings::{Noise, NoiseSource, ReadingPlace};
 use self::reversal::{Turn, contradictions, hidden_reversal_um, ran_over};
@@ -65,6 +63,8 @@ use crate::quantity::{
     Run, Volume,
 };
 use crate::text::{Finding, Severity};
+use nonius_numerics::rows::Model;
+pub use nonius_numerics::rows::{Part, Uncertainty};
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +79,8 @@ pub struct Separation {
     pub errors: NineErrors,
     /// What is uncertain of the readings and lines behind them.
     model: Model,
+    /// What is known of angles.
+    evidence: AngleEvidence,
     /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
     anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
@@ -218,7 +220,7 @@ fn noise_of(start: &Start<'_>, closure: &Closure) -> Option<Noise> {
 
 /// What speaks against the noise of repeated runs, and against the stated one.
 fn of_noise(start: &Start<'_>) -> impl Iterator<Item = SeparationFinding> {
-    let found = start.model.noise.filter(|noise| noise.source != NoiseSource::Stated);
+    let found = start.noise.filter(|noise| noise.source != NoiseSource::Stated);
     let repeated = start.known.filter(|noise| noise.source == NoiseSource::Repeats);
     let scatter = found.zip(repeated).filter(|(found, repeated)| found.source != repeated.source);
     let scatter = scatter.map(|(found, repeated)| {
@@ -262,7 +264,7 @@ fn anomalies(
 
 /// What readings say.
 fn evaluated(start: Start<'_>, closure: Closure) -> Separation {
-    let (campaign, noise) = (start.campaign, start.model.noise);
+    let (campaign, noise) = (start.campaign, start.noise);
     let (measurement, turned) = (campaign.measurement, start.turned());
     let mut solved = Solved::new(start);
     let agreement = solved.judged();
@@ -313,6 +315,7 @@ fn evaluated(start: Start<'_>, closure: Closure) -> Separation {
         overrun: start.overrun,
         runs: solved.start.runs,
         model: solved.start.model,
+        evidence: campaign.angles.evidence.clone(),
     }
 }
 

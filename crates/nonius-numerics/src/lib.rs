@@ -1,5 +1,7 @@
-//! Axes, units, signs, curves; and how far the errors of two places can differ. No file, no control, no job.
+//! Axes, units, signs, curves; what is uncertain of figures that hang on many readings; and how far the errors of two places
+//! can differ. No file, no control, no job.
 #![doc = include_str!("../README.md")]
 
 pub mod quantity;
+pub mod rows;
 pub mod space;

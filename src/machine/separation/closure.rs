@@ -18,7 +18,6 @@
 //! are judged with those readings left out, so that no reading makes a ramp.
 
 use super::curves::{mean, noise_gain};
-use super::linear::{Banded, Layout, Model, Row};
 use super::readings::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, NoiseSource, Outlier,
     ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out, student, tails,
@@ -28,6 +27,7 @@ use crate::machine::findings::SeparationFinding as Found;
 use crate::quantity::{Axis, PerAxis, Squared, Volume};
 use crate::text::Finding;
 use nalgebra::{DVector, Matrix3, Vector3};
+use nonius_numerics::rows::{Banded, Layout, Model, Row};
 use serde::Serialize;
 
 /// More disturbed readings are counted in the doubts; the result lists them.
@@ -273,7 +273,7 @@ impl Patterns {
         let ramps = over(&|at| (at - middle) / (2.0 * middle).max(1.0));
         let constants = over(&|_| 1.0);
         let w = of_column(&rows, &start.z);
-        let (basis, left) = (Vec::new(), factor.solve(&w));
+        let (basis, left) = (Vec::new(), DVector::from_vec(factor.solve(w.as_slice())));
         let mut patterns =
             Patterns { layout, rows, w, factor, ramps, effects, basis, constants: 0, left };
         patterns.leave_out(constants);
@@ -284,7 +284,7 @@ impl Patterns {
 
     /// P x.
     fn projected(&self, x: &DVector<f64>) -> DVector<f64> {
-        let mut left = self.factor.solve(x);
+        let mut left = DVector::from_vec(self.factor.solve(x.as_slice()));
         self.basis.iter().for_each(|base| left.axpy(-base.dot(x), base, 1.0));
         left
     }
@@ -427,7 +427,11 @@ impl Patterns {
         let wanted = shape(index);
         let others = (0..self.effects.len()).filter(|other| *other != index);
         let twins = others.filter(|other| shape(*other) == wanted);
-        std::iter::once(index).chain(twins).map(|reading| self.layout.place(reading)).collect()
+        let place = |reading| {
+            let (pass, diagonal, node) = self.layout.place(reading);
+            ReadingPlace { diagonal, pass, run: None, node }
+        };
+        std::iter::once(index).chain(twins).map(place).collect()
     }
 }
 

@@ -134,8 +134,7 @@ pub(super) fn names(
 ) -> Option<Finding> {
     // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
     let stated_um = start.campaign.stated.noise_um;
-    let stated_um =
-        stated_um.filter(|um| start.model.noise.is_some_and(|found| !found.contradicts(*um)));
+    let stated_um = stated_um.filter(|um| start.noise.is_some_and(|found| !found.contradicts(*um)));
     let known_um = start.known.map(|noise| noise.sigma_um).or(stated_um);
     // Ways that share counts and disturbed readings share the least-squares problem. What stated angles do belongs
     // to no other name.

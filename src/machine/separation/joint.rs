@@ -17,7 +17,6 @@ mod outlook;
 pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::Separation;
 use super::curves::{Curve, range};
-use super::linear::{CurveRows, Row};
 use super::readings::{Noise, student};
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
@@ -25,6 +24,7 @@ use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Squared, larger,
 };
 use crate::text::joined;
+use nonius_numerics::rows::{CurveRows, Row};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};

@@ -79,7 +79,7 @@ fn common(start: &Start<'_>) -> impl Iterator<Item = Found> {
     }));
     let of_readings = [
         (!has_air).then_some(Found::NoAir),
-        Some(start.model.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs { noise })),
+        Some(start.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs { noise })),
         Some(Found::LaserCounts {
             ppm: stated.of_laser_ppm(),
             is_stated: stated.laser_ppm.is_some(),

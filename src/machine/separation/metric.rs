@@ -24,12 +24,12 @@
 //! diagonal reads α²/2 short.
 
 use super::campaign::MeasuredLine;
-use super::linear::{Model, Row, Uncertainty, Weights};
 use super::readings::{NORMAL_ONE_SIDED, chance_of};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, ErrorTerm, Figure, PerAxis, PerPlane, Plane, Squared};
 use crate::text::{Finding, joined};
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector6};
+use nonius_numerics::rows::{Model, Row, Uncertainty, Weights};
 use serde::Serialize;
 
 /// Of the largest singular value: below this a direction of the unknowns is not measured.

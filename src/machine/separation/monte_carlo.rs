@@ -2,7 +2,7 @@
 //!
 //! Ranges and straightness are largest-minus-smallest figures: noise makes them larger. Every
 //! trial adds noise to the mean readings, and to linear axes and beams what their uncertainty
-//! states, by the rows of the [linear model](super::linear): (7) is not solved again. The mean of the trials less the
+//! states, by the rows of the [linear model](nonius_numerics::rows): (7) is not solved again. The mean of the trials less the
 //! estimate is the bias; the interval is the estimate mirrored in the trials' quantiles
 //! (2·estimate − q). How often such intervals hold the true value was measured, see
 //! docs/accuracy.md; nothing is promised.

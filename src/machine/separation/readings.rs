@@ -19,8 +19,9 @@ use crate::quantity::{
 };
 use crate::text::words;
 use nalgebra::DMatrix;
+pub use nonius_numerics::rows::{coverage_factor, student};
 use serde::{Serialize, Serializer};
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 /// The mean of the runs of a pass along a diagonal.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,10 +108,6 @@ pub fn figures(runs: &[Run], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f
     (figures, range(all.copied()))
 }
 
-/// Share of a normal distribution within two standard deviations: what U stands for.
-const COVERAGE: f64 = 0.954_499_736_103_642;
-/// From here on Student's distribution is the normal one in every digit that is printed.
-pub(super) const MANY: f64 = 1e6;
 /// Standard deviation of rounding to 0.01 µm, the last digit of an instrument, µm: no reading is
 /// better known.
 pub(super) const DIGIT_UM: f64 = 0.003;
@@ -198,21 +195,6 @@ impl Noise {
 
 pub(super) const fn float(count: usize) -> f64 {
     count as f64
-}
-
-/// k with which U = k·u holds the true value in 95.45 % of all cases: 2 for a known standard
-/// deviation, more by Student where it was estimated from few (GUM, annex G).
-pub fn coverage_factor(freedom: Option<f64>) -> f64 {
-    match freedom {
-        Some(freedom) if freedom < MANY => student(0.5 + COVERAGE / 2.0, Some(freedom)),
-        _ => 2.0,
-    }
-}
-
-/// Quantile of Student's distribution; of the normal one where the freedom is not limited.
-pub(super) fn student(share: f64, freedom: Option<f64>) -> f64 {
-    let freedom = freedom.unwrap_or(MANY).clamp(1.0, MANY);
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(share))
 }
 
 /// Probabilities of a sum of `count` squares of normal deviates by their variance below `square` and at

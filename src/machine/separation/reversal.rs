@@ -32,7 +32,6 @@
 
 use super::campaign::{Estimate, LinearReversals};
 use super::curves::mean;
-use super::linear::{CurveRows, Row};
 use super::readings::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
 use super::solved::Solved;
 use super::start::Start;
@@ -43,6 +42,7 @@ use crate::quantity::{
 };
 use crate::text::Finding;
 use nalgebra::{DMatrix, DVector};
+use nonius_numerics::rows::{CurveRows, Row};
 
 /// Chance that an offset or a jump is believed where there is only noise.
 const FALSE_ALARM: f64 = 0.01;
@@ -118,7 +118,7 @@ impl Solved<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
         let start = &self.start;
-        let (volume, noise) = (start.volume(), start.model.noise);
+        let (volume, noise) = (start.volume(), start.noise);
         let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
         // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
         let at = |along: Axis, of: Axis, end: Direction| {
@@ -286,7 +286,7 @@ pub(super) fn hidden_reversal_um(start: &Start<'_>, known: &LinearReversals) -> 
         let back = |node| read(Pass::Forward, node) - read(Pass::Reverse, node) - of_known(node);
         (0..start.model.layout.nodes).map(back).collect()
     };
-    let sigma = start.model.noise.map_or(0.0, |noise| noise.sigma_um);
+    let sigma = start.noise.map_or(0.0, |noise| noise.sigma_um);
     let u_known = known
         .iter()
         .filter_map(|(axis, b)| Some((volume.cosine(axis) * u_largest_um(b.as_ref()?)?).squared()));

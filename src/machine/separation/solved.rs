@@ -7,7 +7,6 @@
 
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
-use super::linear::{CurveRows, Row, Uncertainty};
 use super::metric::{Agreement, Equation, Equations, Metric, UM_PER_M};
 use super::start::Start;
 use crate::inputs::job::{Frame, SetUp};
@@ -15,6 +14,7 @@ use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, PerPlane, PerTerm, Plane,
     URAD_PER_ARCSEC, Volume,
 };
+use nonius_numerics::rows::{CurveRows, Row, Uncertainty};
 use std::sync::Arc;
 
 /// Curves as rows over what was measured, and what their slopes come from.
@@ -47,8 +47,7 @@ pub fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
 
 impl<'a> Solved<'a> {
     pub(super) fn new(mut start: Start<'a>) -> Solved<'a> {
-        let (campaign, volume, known) =
-            (start.campaign, start.volume(), start.model.noise.is_some());
+        let (campaign, volume, known) = (start.campaign, start.volume(), start.noise.is_some());
         let z = &start.z;
         let step = |term, at| start.mean(|group| start.delta(term, group, at));
         let mean_steps = PerTerm::from_fn(|term| -> Arc<[Row]> {

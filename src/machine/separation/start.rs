@@ -3,7 +3,6 @@
 use super::campaign::Campaign;
 use super::corrections::{expansion_um, recorded};
 use super::curves::{closure_sign, noise_gain};
-use super::linear::{Cause, Layout, Model, Row};
 use super::readings::{
     ENOUGH, Group, Noise, NoiseSource, Outlier, float, means, pass_of, repeats, walks,
 };
@@ -13,6 +12,7 @@ use crate::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Pass, PathKind, PerAxis, PerTerm, Rotation,
     Run, Squared, Volume,
 };
+use nonius_numerics::rows::{Cause, Layout, Model, Row};
 
 /// A ramp below this share of the readings that make it is their rounding.
 const ROUNDING: f64 = 1e-9;
@@ -43,8 +43,10 @@ pub(super) struct Start<'a> {
     pub(super) material: Option<Material>,
     /// The corrected runs.
     pub(super) runs: Vec<Run>,
-    /// What is uncertain of what is measured; the noise that counts, where it is known by now.
+    /// What is uncertain of what is measured.
     pub(super) model: Model,
+    /// The noise that counts, where it is known by now.
+    pub(super) noise: Option<Noise>,
     /// z: means of the runs, in which jumps of a turn still are, then lines, then 0.
     pub(super) z: Vec<f64>,
     /// How many runs each of these means is of.
@@ -88,6 +90,7 @@ impl<'a> Start<'a> {
         Start {
             campaign,
             model: model(campaign, material, layout),
+            noise: None,
             material,
             z,
             counts,
@@ -116,7 +119,8 @@ impl<'a> Start<'a> {
     pub(super) fn set_noise(&mut self, noise: Option<Noise>) {
         let square = noise.map_or(0.0, |noise| noise.sigma_um.squared());
         self.model.own.iter_mut().zip(&self.counts).for_each(|(own, runs)| *own = square / runs);
-        self.model.noise = noise;
+        self.model.freedom = noise.map(|noise| noise.freedom_f64().unwrap_or(f64::INFINITY));
+        self.noise = noise;
     }
 
     /// One more entry of what was measured: its place.

@@ -20,7 +20,6 @@ use super::campaign::Campaign;
 use super::closure::large_noise;
 use super::curves::at;
 use super::labels;
-use super::linear::Row;
 use super::metric::{Agreement, Equation, Equations, Metric};
 use super::readings::{self, Noise, Outlier, Walk, float, walks};
 use super::start::Start;
@@ -28,6 +27,7 @@ use crate::inputs::error_table::{ErrorTable, Kind, Silence};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
 use crate::text::{Finding, Problem, Problems};
+use nonius_numerics::rows::Row;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -151,7 +151,7 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     for walk in &walks(&start.runs) {
         let predicted = predicted(start.volume(), table, walk)?;
         found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
-        let readings = start.model.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
+        let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
         found.tests.push(compared(walk, &predicted, readings));
     }
     found.tests.sort_by_key(|test| test.diagonal);

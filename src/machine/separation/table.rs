@@ -75,7 +75,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
     let (other, open): (Vec<_>, Vec<_>) = undetermined.partition(is_other);
     let why = open.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     let other = other.into_iter().map(|what| SeparationFinding::StillOpen { what }.into());
-    let evidence = &separation.model.evidence;
+    let evidence = &separation.evidence;
     let lines = || PerAxis::from_fn(|axis| Millimetres::new(evidence.origin[axis]));
     let mut labels = separation.labels.clone();
     labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first

@@ -1,5 +1,5 @@
 //! What the uncertainty of a measurement consists of: the noise of the readings, and causes that are stated in
-//! `[measurement.uncertainty]`, each a column of the [linear model](super::linear).
+//! `[measurement.uncertainty]`, each a column of the [linear model](nonius_numerics::rows).
 //!
 //! ```text
 //!   noise        independent readings: σ²/r of a mean of r runs
@@ -12,11 +12,11 @@
 
 use super::campaign::{Campaign, MeasuredLine};
 use super::corrections::{REFERENCE_C, of_rotations};
-use super::linear::{Cause, Layout, Model, Part};
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::{
     Axis, Diagonal, PerAxis, PerDiagonal, Rotation, Squared, URAD_PER_ARCSEC, displaced, unit,
 };
+use nonius_numerics::rows::{Cause, Layout, Model, Part};
 
 /// The linear model of the readings, their noise left out; `material`: with the temperatures that were recorded.
 pub(super) fn model(campaign: &Campaign<'_>, material: Option<Material>, layout: Layout) -> Model {
@@ -57,8 +57,7 @@ pub(super) fn model(campaign: &Campaign<'_>, material: Option<Material>, layout:
     let set_up = |d| only(Part::SetUps, d, volume.laser(d), [of_setup, of_beam]);
     causes.extend(Diagonal::ALL.map(set_up));
     let angles = unmeasured(campaign, layout, &mut causes);
-    let evidence = campaign.angles.evidence.clone();
-    Model { layout, noise: None, own, of_setup, causes, laser, angles, evidence }
+    Model { layout, freedom: None, own, of_setup, causes, laser, angles }
 }
 
 /// Causes that act alike in all set-ups, one after the other: the false scale of X, Y, Z that

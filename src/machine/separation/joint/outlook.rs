@@ -15,9 +15,9 @@ use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::curves::mean;
-use crate::machine::separation::linear::{Cause, Part, Row, Variance};
 use crate::machine::separation::readings::{float, student};
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, larger};
+use nonius_numerics::rows::{Cause, Part, Row, Variance};
 use rand_distr::{ChiSquared, Distribution};
 
 /// Visits that are drawn: a share of them is known to 5 %.
@@ -54,7 +54,7 @@ impl Separation {
 
     /// What is known of angles.
     pub(crate) fn angle_evidence(&self) -> &AngleEvidence {
-        &self.model.evidence
+        &self.evidence
     }
 
     /// Standard uncertainty of the slope of a line by itself, µm/m.
