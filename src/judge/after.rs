@@ -189,14 +189,14 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         let values: usize = own.map(|walk| walk.um.len()).sum();
         let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
         let doubtful_um = between.diagonals[diagonal];
-        DiagonalForecast::new(diagonal, [*range; 2], sigma, &u_um, scale_um, None, doubtful_um)
+        DiagonalForecast::new(diagonal, [*range; 2], &sigma, &u_um, scale_um, None, doubtful_um)
     };
     let walked = |axis| range_of(job, axis, &runs.volume.positions(axis));
     Forecast {
         basis: Basis::Measured,
+        diagonals: runs.range_um.iter().map(line).collect(),
         sigma,
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
-        diagonals: runs.range_um.iter().map(line).collect(),
         ..Forecast::default()
     }
 }

@@ -21,6 +21,7 @@ use crate::quantity::larger;
 use crate::text::words;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
+use std::sync::Arc;
 
 /// Probability behind every U and every verdict.
 pub const CONFIDENCE: f64 = 0.95;
@@ -58,25 +59,34 @@ pub struct Magnitude {
 }
 
 /// How the σ behind the uncertainties is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sigma {
     /// Degrees of freedom of its estimate; `None` = it is known.
     freedom: Option<f64>,
+    /// Estimates of σ in units of the true one, each with its weight.
+    estimates: Arc<[(f64, f64)]>,
+}
+
+impl Default for Sigma {
+    fn default() -> Self {
+        Sigma::with_freedom(None)
+    }
 }
 
 impl Sigma {
     /// σ that was estimated with so many degrees of freedom; `None` = it is known.
     pub(crate) fn with_freedom(freedom: Option<f64>) -> Sigma {
-        Sigma { freedom: freedom.filter(|freedom| *freedom < MANY) }
+        let freedom = freedom.filter(|freedom| *freedom < MANY);
+        Sigma { freedom, estimates: estimates(freedom).into() }
     }
 
     /// Degrees of freedom; `None` = σ is as good as known.
-    pub fn freedom(self) -> Option<f64> {
+    pub fn freedom(&self) -> Option<f64> {
         self.freedom
     }
 
     /// Factor of a one-sided statement on a single figure: 1.645, more where σ is an estimate.
-    pub(crate) fn one_sided(self) -> f64 {
+    pub(crate) fn one_sided(&self) -> f64 {
         let Some(freedom) = self.freedom else {
             return NORMAL_ONE_SIDED;
         };
@@ -84,30 +94,29 @@ impl Sigma {
     }
 
     /// Factor c with which |deviate| ≤ c·u holds for `count` figures together, with 95 % or more.
-    pub(crate) fn joint(self, count: usize) -> f64 {
+    pub(crate) fn joint(&self, count: usize) -> f64 {
         self.joint_at(count, CONFIDENCE)
     }
 
     /// The same with another probability.
-    pub(crate) fn joint_at(self, count: usize, confidence: f64) -> f64 {
+    pub(crate) fn joint_at(&self, count: usize, confidence: f64) -> f64 {
         let figures = vec![Magnitude { um: 0.0, u_um: 1.0 }; count];
         expanded_at(&figures, self, confidence)
     }
+}
 
-    /// Estimates of σ in units of the true one, each with its weight. Small estimates decide, so
-    /// they lie denser: at probabilities p = t², t spread evenly.
-    fn estimates(self) -> Vec<(f64, f64)> {
-        let spread = |freedom| Some((freedom, ChiSquared::new(freedom).ok()?));
-        let Some((freedom, spread)) = self.freedom.and_then(spread) else {
-            return vec![(1.0, 1.0)];
-        };
-        let estimate = |index: u32| {
-            let t = (f64::from(index) + 0.5) / f64::from(PLACES);
-            let sigma = (spread.inverse_cdf(t * t) / freedom).sqrt();
-            (sigma, 2.0 * t / f64::from(PLACES))
-        };
-        (0..PLACES).map(estimate).collect()
-    }
+/// Small estimates decide, so they lie denser: at probabilities p = t², t spread evenly.
+fn estimates(freedom: Option<f64>) -> Vec<(f64, f64)> {
+    let spread = |freedom| Some((freedom, ChiSquared::new(freedom).ok()?));
+    let Some((freedom, spread)) = freedom.and_then(spread) else {
+        return vec![(1.0, 1.0)];
+    };
+    let estimate = |index: u32| {
+        let t = (f64::from(index) + 0.5) / f64::from(PLACES);
+        let sigma = (spread.inverse_cdf(t * t) / freedom).sqrt();
+        (sigma, 2.0 * t / f64::from(PLACES))
+    };
+    (0..PLACES).map(estimate).collect()
 }
 
 /// U of the largest figure, µm: with at least 95 % no true figure exceeds the largest one by more. `largest_um`: by how
@@ -116,19 +125,19 @@ impl Sigma {
 ///
 /// formula  smallest U with mean over σ of Π_i P(|e_i| ≤ largest + U − |figure_i|) = 0.95
 /// limits   0 without figures and without uncertainty
-pub fn expanded_um(figures: &[Magnitude], sigma: Sigma, largest_um: Option<f64>) -> f64 {
-    let own = expanded_at(figures, sigma, CONFIDENCE);
-    largest_um.map_or(own, |largest_um| own.min(largest_um))
+pub fn expanded_um(figures: &[Magnitude], sigma: &Sigma, largest_um: Option<f64>) -> f64 {
+    let is_less =
+        |um: &f64| chance_within(figures, sigma, self::largest_um(figures) + um) < CONFIDENCE;
+    largest_um.filter(is_less).unwrap_or_else(|| expanded_at(figures, sigma, CONFIDENCE))
 }
 
-fn expanded_at(figures: &[Magnitude], sigma: Sigma, confidence: f64) -> f64 {
+fn expanded_at(figures: &[Magnitude], sigma: &Sigma, confidence: f64) -> f64 {
     let largest = largest_um(figures);
     let u = figures.iter().map(|f| f.u_um).fold(0.0, larger);
     if u <= 0.0 {
         return 0.0;
     }
-    let estimates = sigma.estimates();
-    let surplus = |um: f64| chance_within(figures, &estimates, largest + um) - confidence;
+    let surplus = |um: f64| chance_within(figures, sigma, largest + um) - confidence;
     let mut high = 2.0 * u;
     while surplus(high) < 0.0 {
         high *= 1.5;
@@ -159,7 +168,7 @@ fn root(of: impl Fn(f64) -> f64, mut high: f64, precision: f64) -> f64 {
 /// `together_um`: see [`expanded_um`].
 pub(crate) fn judge_forecast(
     figures: &[Magnitude],
-    sigma: Sigma,
+    sigma: &Sigma,
     together_um: Option<f64>,
     limit_um: f64,
 ) -> Verdict {
@@ -170,7 +179,7 @@ pub(crate) fn judge_forecast(
     if together_um.is_some_and(|um| largest_um(figures) + um <= limit_um) {
         return Verdict::Pass;
     }
-    let all = chance_within(figures, &sigma.estimates(), limit_um);
+    let all = chance_within(figures, sigma, limit_um);
     if all >= CONFIDENCE { Verdict::Pass } else { Verdict::Undecided }
 }
 
@@ -179,14 +188,14 @@ pub(crate) fn judge_forecast(
 /// known of all together.
 pub(crate) fn judge_measured(
     figures: &[Magnitude],
-    sigma: Sigma,
+    sigma: &Sigma,
     beyond_um: Option<f64>,
     limit_um: f64,
 ) -> Verdict {
-    let joint = sigma.joint(figures.len());
+    let exceeds = |joint: f64| figures.iter().any(|f| f.um - joint * f.u_um > limit_um);
     if measured_at_most_um(figures, sigma, beyond_um) <= limit_um {
         Verdict::Pass
-    } else if figures.iter().any(|f| f.um - joint * f.u_um > limit_um) {
+    } else if exceeds(sigma.joint(figures.len())) {
         Verdict::Fail
     } else {
         Verdict::Undecided
@@ -197,7 +206,7 @@ pub(crate) fn judge_measured(
 /// was estimated. `beyond_um`: see [`judge_measured`].
 pub(super) fn measured_at_most_um(
     figures: &[Magnitude],
-    sigma: Sigma,
+    sigma: &Sigma,
     beyond_um: Option<f64>,
 ) -> f64 {
     let one_sided = sigma.one_sided();
@@ -211,7 +220,7 @@ pub fn largest_um(figures: &[Magnitude]) -> f64 {
 }
 
 /// Probability, at least, that no true figure exceeds the limit.
-fn chance_within(figures: &[Magnitude], estimates: &[(f64, f64)], limit_um: f64) -> f64 {
+fn chance_within(figures: &[Magnitude], sigma: &Sigma, limit_um: f64) -> f64 {
     if figures.iter().any(|f| f.um > limit_um) {
         return 0.0;
     }
@@ -225,14 +234,16 @@ fn chance_within(figures: &[Magnitude], estimates: &[(f64, f64)], limit_um: f64)
         let outside = near.map(erfc);
         weight * outside.map(|p| (-p).ln_1p()).sum::<f64>().exp()
     };
-    estimates.iter().map(all).sum::<f64>()
+    sigma.estimates.iter().map(all).sum::<f64>()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const KNOWN: Sigma = Sigma { freedom: None };
+    fn known() -> Sigma {
+        Sigma::default()
+    }
 
     fn close(got: f64, expected: f64, tolerance: f64) {
         assert!(
@@ -243,14 +254,14 @@ mod tests {
 
     #[test]
     fn one_figure_has_the_factors_of_the_normal_distribution() {
-        close(KNOWN.joint(1), 1.959_964, 1e-4);
-        close(KNOWN.one_sided(), 1.644_854, 1e-4);
+        close(known().joint(1), 1.959_964, 1e-4);
+        close(known().one_sided(), 1.644_854, 1e-4);
     }
 
     #[test]
     fn many_figures_need_the_factor_of_sidak() {
-        close(KNOWN.joint(10), 2.799, 1e-2); // 1 − 0.95^(1/10) two-sided
-        close(KNOWN.joint(270), 3.730, 1e-2);
+        close(known().joint(10), 2.799, 1e-2); // 1 − 0.95^(1/10) two-sided
+        close(known().joint(270), 3.730, 1e-2);
     }
 
     #[test]
@@ -265,26 +276,26 @@ mod tests {
     fn without_uncertainty_the_figures_decide() {
         let figures = [Magnitude { um: 1.0, u_um: 0.0 }];
         for (limit, verdict) in [(1.0, Verdict::Pass), (0.9, Verdict::Fail)] {
-            assert_eq!(judge_forecast(&figures, KNOWN, None, limit), verdict);
-            assert_eq!(judge_measured(&figures, KNOWN, None, limit), verdict);
+            assert_eq!(judge_forecast(&figures, &known(), None, limit), verdict);
+            assert_eq!(judge_measured(&figures, &known(), None, limit), verdict);
         }
-        assert_eq!(expanded_um(&figures, KNOWN, None).to_bits(), 0.0_f64.to_bits());
+        assert_eq!(expanded_um(&figures, &known(), None).to_bits(), 0.0_f64.to_bits());
     }
 
     #[test]
     fn a_forecast_is_judged_by_the_very_u_that_is_printed() {
         let figures: Vec<Magnitude> =
             (0..30).map(|i| Magnitude { um: f64::from(i) / 30.0, u_um: 0.4 }).collect();
-        let bound = largest_um(&figures) + expanded_um(&figures, KNOWN, None);
-        assert_eq!(judge_forecast(&figures, KNOWN, None, bound * 1.0001), Verdict::Pass);
-        assert_eq!(judge_forecast(&figures, KNOWN, None, bound * 0.9999), Verdict::Undecided);
+        let bound = largest_um(&figures) + expanded_um(&figures, &known(), None);
+        assert_eq!(judge_forecast(&figures, &known(), None, bound * 1.0001), Verdict::Pass);
+        assert_eq!(judge_forecast(&figures, &known(), None, bound * 0.9999), Verdict::Undecided);
     }
 
     #[test]
     fn a_measurement_passes_on_each_figure_and_fails_on_all_together() {
         let figures = |um| vec![Magnitude { um, u_um: 1.0 }; 100];
-        assert_eq!(judge_measured(&figures(8.3), KNOWN, None, 10.0), Verdict::Pass);
-        assert_eq!(judge_measured(&figures(12.0), KNOWN, None, 10.0), Verdict::Undecided);
-        assert_eq!(judge_measured(&figures(13.6), KNOWN, None, 10.0), Verdict::Fail);
+        assert_eq!(judge_measured(&figures(8.3), &known(), None, 10.0), Verdict::Pass);
+        assert_eq!(judge_measured(&figures(12.0), &known(), None, 10.0), Verdict::Undecided);
+        assert_eq!(judge_measured(&figures(13.6), &known(), None, 10.0), Verdict::Fail);
     }
 }

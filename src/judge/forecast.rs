@@ -62,7 +62,7 @@ pub fn forecast(
                 u_um,
                 expanded_um: u_um.map(|_| {
                     let largest_um = largest.map(|largest| largest.single.terms[term]);
-                    expanded_um(&figures, sigma, largest_um)
+                    expanded_um(&figures, &sigma, largest_um)
                 }),
                 at_most_um: None,
             },
@@ -71,9 +71,9 @@ pub fn forecast(
             one_way: one_way(&measured.measured),
         });
     }
-    let mut diagonals = along_diagonals(machine, control, &judged, sigma);
+    let mut diagonals = along_diagonals(machine, control, &judged, &sigma);
     if let Some(lines) = &comparable {
-        let compared = along_diagonals(machine, lines, &judged, sigma);
+        let compared = along_diagonals(machine, lines, &judged, &sigma);
         for (own, compared) in diagonals.iter_mut().zip(compared) {
             own.change.comparable_um = compared.change.after_um;
         }
@@ -231,7 +231,7 @@ fn along_diagonals(
     machine: Machine<'_>,
     control: &Field,
     judged: &PerAxis<Option<Range>>,
-    sigma: Sigma,
+    sigma: &Sigma,
 ) -> Vec<DiagonalForecast> {
     let model = machine.as_measured;
     let Some(measured_box) = measured_box(model, judged) else {

@@ -14,10 +14,13 @@
 use crate::quantity::{Diagonal, Pass, Rotation, Squared};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::Arc;
+
+/// Values compared together.
+const LANES: usize = 4;
 
 /// Parts of a variance below this share of it are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -188,8 +191,11 @@ pub fn coverage_factor(freedom: Option<f64>) -> f64 {
 
 /// Quantile of Student's distribution; of the normal one where the freedom is not limited.
 pub fn student(share: f64, freedom: Option<f64>) -> f64 {
-    let freedom = freedom.unwrap_or(MANY).clamp(1.0, MANY);
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |spread| spread.inverse_cdf(share))
+    match freedom.filter(|freedom| *freedom < MANY) {
+        Some(freedom) => StudentsT::new(0.0, 1.0, freedom.max(1.0)).map(|of| of.inverse_cdf(share)),
+        None => Ok(Normal::standard().inverse_cdf(share)),
+    }
+    .unwrap_or(f64::INFINITY)
 }
 
 /// How well a figure is known, in its unit.
@@ -387,14 +393,29 @@ impl CurveRows {
 
     /// The values for these entries; `line_um`: the line at the high end.
     pub fn values(&self, z: &[f64], line_um: f64) -> Vec<f64> {
+        let mut values = vec![0.0; self.steps.len() + 1];
+        self.fill(z, line_um, &mut values);
+        values
+    }
+
+    fn fill(&self, z: &[f64], line_um: f64, values: &mut [f64]) {
         let last = self.steps.len().max(1) as f64;
         let mut sum = self.start.dot(z);
-        let mut values = vec![sum];
+        values[0] = sum;
         for (index, step) in self.steps.iter().enumerate() {
             sum += step.dot(z);
-            values.push(sum + line_um * (index + 1) as f64 / last);
+            values[index + 1] = sum + line_um * (index + 1) as f64 / last;
         }
-        values
+    }
+
+    /// The values of curves of as many steps, one after the other, for these entries.
+    pub fn all_values<'a>(curves: impl Iterator<Item = &'a CurveRows>, z: &[f64], all: &mut [f64]) {
+        let mut rest = all;
+        for curve in curves {
+            let (own, others) = rest.split_at_mut(curve.steps.len() + 1);
+            curve.fill(z, curve.line.dot(z), own);
+            rest = others;
+        }
     }
 
     /// u² of each value.
@@ -431,6 +452,25 @@ impl CurveRows {
             })
             .collect()
     }
+}
+
+/// Adds values, each so many times.
+pub fn add(sum: &mut [f64], times: f64, part: &[f64]) {
+    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += times * part);
+}
+
+/// max of |value| + times · u.
+pub fn largest(values: &[f64], times: f64, u: &[f64]) -> f64 {
+    let (values, u) = (values.as_chunks::<LANES>(), u.as_chunks::<LANES>());
+    let rest = values.1.iter().zip(u.1).map(|(value, u)| value.abs() + times * u);
+    let mut most = [rest.fold(0.0, |most, own| if own > most { own } else { most }); LANES];
+    for (values, u) in values.0.iter().zip(u.0) {
+        for lane in 0..LANES {
+            let own = values[lane].abs() + times * u[lane];
+            most[lane] = if own > most[lane] { own } else { most[lane] };
+        }
+    }
+    most.into_iter().fold(0.0, f64::max)
 }
 
 /// The Cholesky factor of a symmetric, positive definite matrix with entries near its diagonal only.

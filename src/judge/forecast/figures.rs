@@ -76,7 +76,7 @@ impl DiagonalForecast {
     pub(in crate::judge) fn new(
         diagonal: Diagonal,
         [before_um, after_um]: [f64; 2],
-        sigma: Sigma,
+        sigma: &Sigma,
         u_um: &[f64],
         scale_um: f64,
         largest_um: Option<f64>,
@@ -323,7 +323,7 @@ impl Forecast {
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
         let all_um = self.largest.as_ref().map(|largest| largest.all_um);
-        stated.then(|| expanded_um(&self.all_terms().shifted(0.0), self.sigma, all_um))
+        stated.then(|| expanded_um(&self.all_terms().shifted(0.0), &self.sigma, all_um))
     }
 
     /// What all terms together are at most, with 95 %, µm; `None` = no uncertainty is stated.
@@ -396,8 +396,8 @@ impl Forecast {
 
     fn bound_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
         match self.basis {
-            Basis::Forecast => largest_um(figures) + expanded_um(figures, self.sigma, together_um),
-            Basis::Measured => measured_at_most_um(figures, self.sigma, together_um),
+            Basis::Forecast => largest_um(figures) + expanded_um(figures, &self.sigma, together_um),
+            Basis::Measured => measured_at_most_um(figures, &self.sigma, together_um),
         }
     }
 
@@ -422,7 +422,7 @@ impl Forecast {
     /// Figures of a forecast are judged together. Those of a measured diagonal pass on the difference of its two extreme
     /// values and fail on all its values.
     pub(super) fn judge(&self, all: &Judged<'_>, limit_um: f64) -> Verdict {
-        let (sigma, largest_um) = (self.sigma, all.largest_um);
+        let (sigma, largest_um) = (&self.sigma, all.largest_um);
         let judged = |times| match self.basis {
             Basis::Forecast => judge_forecast(&all.shifted(times), sigma, largest_um, limit_um),
             Basis::Measured => judge_measured(&all.shifted(times), sigma, largest_um, limit_um),

@@ -17,6 +17,7 @@ use crate::text::{Problem, Problems, Source};
 use crate::write::program::motion;
 use crate::write::target::wants;
 use serde::Serialize;
+use std::cell::RefCell;
 
 /// Noise of a single reading where the job states none, µm: the largest that `separate` takes without a word.
 pub(super) const NOISE_UM: f64 = 1.0;
@@ -53,6 +54,8 @@ pub struct Design<'a> {
     /// The laser.
     pub(crate) instrument: Instrument,
     pub(crate) times: SetUpTimes,
+    /// Visits that were asked for: each takes a thousand draws.
+    visits: RefCell<Vec<Visit>>,
 }
 
 impl<'a> Design<'a> {
@@ -75,6 +78,7 @@ impl<'a> Design<'a> {
             evidence: None,
             change_um: PerTerm::from_fn(|_| 0.0),
             times,
+            visits: RefCell::default(),
         })
     }
 
@@ -149,6 +153,12 @@ impl<'a> Design<'a> {
 
     /// What a variant costs and gives.
     pub fn visit(&self, variant: Variant) -> Result<Visit, Problems> {
+        let is_same = |known: &&Visit| known.variant == variant;
+        let known = self.visits.borrow().iter().find(is_same).cloned();
+        known.map_or_else(|| self.new_visit(variant), Ok)
+    }
+
+    fn new_visit(&self, variant: Variant) -> Result<Visit, Problems> {
         let measurement = self.measurement(&variant);
         let job = self.job_of(&measurement);
         let linear = vec![None; measurement.linear.len()];
@@ -169,7 +179,7 @@ impl<'a> Design<'a> {
         let expected = expected(&campaign, passes, variant.run.runs, noise_um, &self.change_um);
         let is_open =
             |term: &ErrorTerm| wants(&job, *term) && expanded_um(&expected, *term).is_none();
-        Ok(Visit {
+        let visit = Visit {
             minutes: self.minutes(&variant),
             mirror: motion(&variant.run).mirror,
             forecast: forecast_of(&job, &expected)?,
@@ -178,7 +188,9 @@ impl<'a> Design<'a> {
             variant,
             expected,
             chance: None,
-        })
+        };
+        self.visits.borrow_mut().push(visit.clone());
+        Ok(visit)
     }
 
     /// Probability that a second measurement made like a visit keeps the limit of errors, if the machine does not

@@ -157,7 +157,7 @@ impl Judged<'_> {
         let share = |(part, um)| Share::new(part, None, um);
         let left_um = self.expected.map(|expected| missed.left_of(expected));
         // In half of the visits, and in those that have to be counted on: |e − e′| + k u of the worst.
-        let (sigma, terms) = (self.figures.sigma, self.figures.terms.iter());
+        let (sigma, terms) = (&self.figures.sigma, self.figures.terms.iter());
         let count = terms.map(|term| term.figures.len()).sum();
         let factor = |share| SQRT_2 * sigma.joint_at(count, share) + sigma.one_sided();
         let off_um = [0.5, SURE].map(|share| factor(share) * point.u_um);

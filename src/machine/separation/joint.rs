@@ -24,7 +24,7 @@ use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Squared, larger,
 };
 use crate::text::joined;
-use nonius_numerics::rows::{CurveRows, Row};
+use nonius_numerics::rows::{CurveRows, Row, add, largest};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
@@ -98,8 +98,10 @@ impl Table<'_> {
         };
         let of_order = |order: &Vec<usize>| {
             let sizes = |(number, anew): (usize, &Vec<f64>)| {
-                let left = sum(anew, &self.angles(number, order));
-                let found = sum(&self.um, &self.repeated(number, order));
+                let mut left = self.angles(number, order);
+                let mut found = self.repeated(number, left.clone());
+                add(&mut left, 1.0, anew);
+                add(&mut found, 1.0, &self.um);
                 let left = Sizes { terms: self.terms(&left, 0.0, &u), diagonals: ranges[number] };
                 (left, Sizes { terms: self.terms(&found, times[number], &u), diagonals })
             };
@@ -195,8 +197,9 @@ impl<'a> Table<'a> {
 
     /// The values for these entries of z.
     fn moved_by(&self, z: &[f64]) -> Vec<f64> {
-        let rows = self.curves.iter().map(|curve| &curve.rows);
-        rows.flat_map(|rows| rows.values(z, rows.line.dot(z))).collect()
+        let mut values = self.nothing();
+        CurveRows::all_values(self.curves.iter().map(|curve| &curve.rows), z, &mut values);
+        values
     }
 
     fn nothing(&self) -> Vec<f64> {
@@ -238,8 +241,8 @@ impl<'a> Table<'a> {
     }
 
     /// What a draw of all that another measurement repeats does.
-    fn repeated(&self, number: usize, angles: &[usize]) -> Vec<f64> {
-        let mut values = self.angles(number, angles);
+    fn repeated(&self, number: usize, angles: Vec<f64>) -> Vec<f64> {
+        let mut values = angles;
         if let Some(at) = self.laser {
             let draw = StandardNormal.sample(&mut random(3 * DRAWS + number));
             add(&mut values, draw, &self.by_cause[at]);
@@ -303,35 +306,6 @@ impl<'a> Table<'a> {
     fn sizes(&self, values: &[f64]) -> Sizes {
         Sizes { terms: self.terms(values, 0.0, values), diagonals: self.ranges(values) }
     }
-}
-
-/// Adds values, each so many times. This and `largest` are most of what draws cost; counted by hand they take a fifth of
-/// what iterators take in a program that is not optimised.
-fn add(sum: &mut [f64], times: f64, part: &[f64]) {
-    let mut at = 0;
-    while at < part.len() {
-        sum[at] += times * part[at];
-        at += 1;
-    }
-}
-
-fn sum(one: &[f64], other: &[f64]) -> Vec<f64> {
-    let mut sum = one.to_vec();
-    add(&mut sum, 1.0, other);
-    sum
-}
-
-/// max of |value| + times · u.
-fn largest(values: &[f64], times: f64, u: &[f64]) -> f64 {
-    let (mut at, mut largest) = (0, 0.0);
-    while at < values.len() {
-        let own = values[at].abs() + times * u[at];
-        if own > largest {
-            largest = own;
-        }
-        at += 1;
-    }
-    largest
 }
 
 fn random(stream: usize) -> ChaCha8Rng {

@@ -10,14 +10,14 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, between, largest, quantile, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, between, quantile, random};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::curves::mean;
 use crate::machine::separation::readings::{float, student};
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, larger};
-use nonius_numerics::rows::{Cause, Part, Row, Variance};
+use nonius_numerics::rows::{Cause, Part, Row, Variance, add, largest};
 use rand_distr::{ChiSquared, Distribution};
 
 /// Visits that are drawn: a share of them is known to 5 %.
@@ -152,15 +152,14 @@ impl Table<'_> {
         limit_um: f64,
     ) -> Outlook {
         let freedom = self.freedom();
+        let times = |number| student((float(number) + 0.5) / float(BIASES), freedom);
+        let times: Vec<f64> = (0..BIASES).map(times).collect();
         // What both measurements repeat, and the factor of u beside it.
         let of_order = |order: &[usize]| -> Vec<(Vec<f64>, f64)> {
             if self.laser.is_none() && order.is_empty() {
                 return vec![(self.nothing(), student(CONFIDENCE, freedom))];
             }
-            let bias = |number: usize| {
-                let share = (float(number) + 0.5) / float(BIASES);
-                (self.repeated(number, order), student(share, freedom))
-            };
+            let bias = |number| (self.repeated(number, self.angles(number, order)), times[number]);
             (0..BIASES).map(bias).collect()
         };
         // Of the orders that the axes may have, the one in which the angles do most.
@@ -211,7 +210,12 @@ impl Table<'_> {
             let seen: Vec<f64> = (0..values.len()).map(seen).collect();
             let both = noise.iter().zip(&rest);
             let u: Vec<f64> = both.map(|(noise, rest)| (noise * s2 + rest).sqrt()).collect();
-            let at_most = |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), *times, &u);
+            let mut both = self.nothing();
+            let at_most = |(bias, times): &(Vec<f64>, f64)| {
+                both.copy_from_slice(&seen);
+                add(&mut both, 1.0, bias);
+                largest(&both, *times, &u)
+            };
             quantile(biases.iter().map(at_most).collect())
         };
         let mut at_most: Vec<f64> = (0..VISITS).map(at_most).collect();
