@@ -314,12 +314,14 @@ fn a_second_visit_begins_where_the_first_one_ended() {
 fn a_read_out_fills_the_keys_that_it_knows() {
     let at = Visit::with_job("nine_errors_900/fanuc-30i.toml");
     at.put("PARA.TXT", "%\nN01240Q1A1P500.0A2P0.0\nN01320Q1A1P905.0\nN01321Q1A1P-5.0\n%\n");
+    at.edit("job.toml", "[measurement]\n", "[measurement]\ninstrument = \"0815\"\n");
     let begun = at.run("new --from job.toml --read-out PARA.TXT -o next").ends(0);
     let begun = begun.says("`machine.axes.x.reference_mm = 500.0`; 1240 of axis 1 is 500 mm");
     begun.omits("axes.y").says("replace those of PARA.TXT or lie beside them");
     let page = at.read("next/job.toml");
     assert!(page.contains("travel_mm = [-5.0, 905.0]\nreference_mm = 500.0\n"), "{page}");
     assert!(page.contains("\nactive_while_measuring = \"../PARA.TXT\"\n"), "{page}");
+    assert!(page.contains("\ninstrument = \"\"\n"), "the laser of that day: {page}");
     // In the unit of the control that was read out; what no key of the job holds is said.
     let inch = "%_N_INITIAL_INI\nCHANDATA(1)\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=0\n\
         N34100 $MA_REFP_SET_POS[0,AX1]=10\nN32700 $MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";

@@ -70,6 +70,7 @@ impl Earlier<'_> {
         }
         page.set(data, quoted(name));
         page.set("measurement.date", quoted(""));
+        page.set("measurement.instrument", quoted(""));
         for key in OF_THE_DAY {
             page.remove(&format!("measurement.{key}"), key);
         }
