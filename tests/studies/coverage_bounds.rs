@@ -6,27 +6,23 @@
 //! `NONIUS_SIMULATIONS=all cargo test --release --test studies coverage_bounds` makes all of them and
 //! compares the table of docs/accuracy.md §8, with `NONIUS_UPDATE=1` it writes it.
 use super::coverage::{LOST_UM, Tally, count};
-use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, Share, dot, float, noisy_lines, noisy_runs, normal, runs, seeded, squareness_error,
-    volume,
+    self as simulated, Machine, SIGMA_UM, Share, U_LINE_UM_PER_M, box_of, curve, dot, exact, float,
+    mean, noisy_lines, normal, runs, seeded, squareness_error, squareness_off, visit_runs, volume,
 };
-use crate::support::{is_held, is_whole, published, share};
-use nonius::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
+use crate::support::{is_held, is_whole, markdown, published, scatter, share};
+use nonius::inputs::job::{Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
-use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
+use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::{
     Axis, Chain, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Plane,
-    Rotation, Volume,
+    Rotation, Run, Volume,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
-use std::fmt::Write;
 
 const SEED: u64 = 16;
 const RUNS: u64 = 2000;
-const SIGMA_UM: f64 = 0.3;
-const U_LINE_UM_PER_M: f64 = 0.5;
 const STEPS: usize = 15;
 /// From the head to the mirror at the start.
 const AHEAD_MM: f64 = 500.0;
@@ -46,19 +42,22 @@ pub(super) struct Rigid {
 }
 
 impl Rigid {
+    pub(super) fn new(nine: Machine, angles: Vec<(Rotation, Angle)>) -> Rigid {
+        Rigid { nine, angles, beam: PerDiagonal::default() }
+    }
+
     fn volume(&self) -> &Volume {
         &self.nine.volume
     }
 
-    /// Rotation of an axis at a share of its travel, rad.
-    fn rotation(&self, along: Axis, share: f64) -> PerAxis<f64> {
-        let mut sum = PerAxis::default();
-        for (rotation, angle) in &self.angles {
-            if rotation.along == along {
-                sum[rotation.about] += 1e-6 * angle(share);
-            }
-        }
-        sum
+    /// Mirrors that lean at random, and beams beside their normals, rad.
+    pub(super) fn set_up(&mut self, lean: f64, beam: f64, random: &mut ChaCha8Rng) {
+        self.nine.lean_randomly(lean, random);
+        self.beam = PerDiagonal::from_fn(|d| {
+            let mirror = unit(self.volume().laser(d).plus(self.nine.lean[d]));
+            let any = PerAxis::from_fn(|_| normal(random));
+            unit(any.cross(mirror)).times(beam)
+        });
     }
 
     /// Error (mm) and rotation (rad) that the angles make at a place, by shares of the travel. Levers
@@ -70,7 +69,10 @@ impl Rigid {
                 let carried = Axis::ALL[place + 1..].contains(&other);
                 f64::from(carried) * shares[other] * self.volume().size[other].mm()
             });
-            let rotation = self.rotation(axis, shares[axis]);
+            let mut rotation = PerAxis::default();
+            for (own, angle) in self.angles.iter().filter(|(own, _)| own.along == axis) {
+                rotation[own.about] += 1e-6 * angle(shares[axis]);
+            }
             error = error.plus(rotation.cross(arm));
             turned = turned.plus(rotation);
         }
@@ -134,12 +136,6 @@ pub(super) fn unit(v: PerAxis<f64>) -> PerAxis<f64> {
     v.times(1.0 / v.length())
 }
 
-/// A vector of this length across another one.
-pub(super) fn across(of: PerAxis<f64>, length: f64, random: &mut ChaCha8Rng) -> PerAxis<f64> {
-    let any = PerAxis::from_fn(|_| normal(random));
-    unit(any.cross(of)).times(length)
-}
-
 /// −1 … 1.
 pub(super) fn uniform(random: &mut ChaCha8Rng) -> f64 {
     f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
@@ -173,42 +169,28 @@ impl Shape {
 }
 
 /// One row of the table.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 struct Row {
     name: &'static str,
     repeats: u32,
     /// Reverse passes: whether after an overrun.
     back: Option<bool>,
-    /// Of all nine angles.
-    turning: Option<Shape>,
-    angle_urad: Option<f64>,
+    /// Of all nine angles, and their bound, µrad.
+    turning: Option<(Shape, f64)>,
     beam_mrad: Option<f64>,
-    stated: bool, // whether the job states the two, and laser and beam that are exact
 }
 
-const PLAIN: Row = Row {
-    name: "one run",
-    repeats: 1,
-    back: None,
-    turning: None,
-    angle_urad: None,
-    beam_mrad: None,
-    stated: true,
-};
+const PLAIN: Row = Row { name: "one run", repeats: 1, back: None, turning: None, beam_mrad: None };
 
 const fn turning(name: &'static str, shape: Shape, urad: f64) -> Row {
-    Row { name, turning: Some(shape), angle_urad: Some(urad), ..PLAIN }
-}
-
-const fn silent(row: Row) -> Row {
-    Row { stated: false, ..row }
+    Row { name, turning: Some((shape, urad)), ..PLAIN }
 }
 
 const fn beam(name: &'static str, mrad: f64, repeats: u32) -> Row {
     Row { name, repeats, beam_mrad: Some(mrad), ..PLAIN }
 }
 
-const ROWS: &[Row] = &[
+const ROWS: [Row; 14] = [
     PLAIN,
     Row { name: "three runs", repeats: 3, ..PLAIN },
     Row { name: "return pass without overrun", back: Some(false), ..PLAIN },
@@ -226,67 +208,60 @@ const ROWS: &[Row] = &[
         name: "three runs, return pass, angles 3 µrad, beam 1 mrad",
         repeats: 3,
         back: Some(false),
-        turning: Some(Shape::Meant),
-        angle_urad: Some(3.0),
+        turning: Some((Shape::Meant, 3.0)),
         beam_mrad: Some(1.0),
-        stated: true,
     },
 ];
 
-/// What becomes of U where such angles and beams are there and the job says nothing of them: by the names above.
-const SILENT: &[Row] = &[
-    silent(turning("angles as the bound means, 10 µrad", Shape::Meant, 10.0)),
-    silent(turning("bows of 10 µrad, the bound itself", Shape::FullBow, 10.0)),
-    silent(beam("beam 0.5 mrad", 0.5, 1)),
-    silent(beam("beam 1 mrad", 1.0, 1)),
-];
+/// Rows that are made once more, in which the job says nothing of the angles and beams that are there.
+const SILENT: [usize; 4] = [4, 9, 10, 11];
 
 fn machine(row: &Row, random: &mut ChaCha8Rng) -> Rigid {
-    let box_ = volume([900.0, 720.0, 720.0], STEPS);
-    let mut nine = Machine::random(&box_, random);
-    nine.lean_randomly(1e-4, random);
+    let mut rigid = Rigid::new(Machine::random(&box_of(STEPS), random), Vec::new());
+    rigid.set_up(1e-4, 1e-3 * row.beam_mrad.unwrap_or(0.0), random);
     if row.back.is_some() {
-        nine.lost_um = LOST_UM;
+        rigid.nine.lost_um = LOST_UM;
     }
-    let beam = PerDiagonal::from_fn(|d| {
-        let normal = unit(box_.laser(d).plus(nine.lean[d]));
-        across(normal, 1e-3 * row.beam_mrad.unwrap_or(0.0), random)
-    });
-    let urad = row.angle_urad.unwrap_or(0.0);
-    let turned = row.turning.into_iter().flat_map(|shape| Rotation::all().map(move |r| (r, shape)));
-    let angles = turned.map(|(rotation, shape)| (rotation, shape.drawn(urad, random)));
-    Rigid { nine, angles: angles.collect(), beam }
+    if let Some((shape, urad)) = row.turning {
+        rigid.angles = Rotation::all().map(|own| (own, shape.drawn(urad, random))).collect();
+    }
+    rigid
 }
 
-fn campaign<'a>(
-    measurement: &'a DiagonalMeasurement,
+/// What the separation makes of a machine whose linear axes X and Y were measured, and perhaps angles but one.
+fn separated(
+    volume: &Volume,
     lines: Vec<MeasuredLine>,
     stated: StatedUncertainty,
-) -> Campaign<'a> {
-    let mut campaign = simulated::campaign(measurement, lines);
-    let chain = Chain::parse("wXYZt").unwrap();
-    campaign.angles = AngleEffects::unmeasured(Some(chain));
+    missing: Option<Rotation>,
+    runs: &[Run],
+) -> Separation {
+    let measurement = simulated::measurement(volume, SetUp::Solve, Frame::XPrimary);
+    let mut campaign = simulated::campaign(&measurement, lines);
+    campaign.angles = AngleEffects::unmeasured(Some(Chain::parse("wXYZt").unwrap()));
+    if let Some(rotation) = missing {
+        campaign.angles.evidence.missing = vec![rotation];
+    }
     campaign.stated = stated;
-    campaign
+    separate(&campaign, runs)
 }
 
-/// One machine of a row: the truth and what the separation makes of it.
-fn separated(row: &Row, seed: u64) -> (Machine, Separation) {
+/// One machine of a row: the truth and what the separation makes of it; whether the job states angles and beam, and a
+/// laser that is exact.
+fn measured(row: &Row, is_stated: bool, seed: u64) -> (Machine, Separation) {
     let mut random = seeded(seed);
     let rigid = machine(row, &mut random);
-    let mut passes = vec![(Pass::Forward, rigid.readings(None))];
-    passes.extend(row.back.map(|_| (Pass::Reverse, rigid.readings(row.back))));
-    let all = noisy_runs(&passes, row.repeats, SIGMA_UM, &mut random);
+    let readings = |back| rigid.readings(back);
+    let all = visit_runs(readings, row.back, row.repeats, SIGMA_UM, &mut random);
     let truth = rigid.truth();
     let lines = noisy_lines(&truth, &[Axis::X, Axis::Y], U_LINE_UM_PER_M, &mut random);
-    let measurement = simulated::measurement(rigid.volume(), SetUp::Solve, Frame::XPrimary);
-    let exact = if row.stated { simulated::exact() } else { StatedUncertainty::default() };
-    let stated = StatedUncertainty {
-        angle_urad: row.angle_urad.filter(|_| row.stated),
-        beam_mrad: row.beam_mrad.filter(|_| row.stated).or(exact.beam_mrad),
-        ..exact
-    };
-    let found = separate(&campaign(&measurement, lines, stated), &all);
+    let mut stated = StatedUncertainty::default();
+    if is_stated {
+        stated = exact();
+        stated.angle_urad = row.turning.map(|(_, urad)| urad);
+        stated.beam_mrad = row.beam_mrad.or(stated.beam_mrad);
+    }
+    let found = separated(rigid.volume(), lines, stated, None, &all);
     (truth, found)
 }
 
@@ -311,39 +286,48 @@ fn percent(shares: &[f64]) -> String {
 }
 
 /// Shares against 93 … 97 %; against 93 % alone where a bound is stated, 90 % of shapes that it does not mean.
-/// With angles all curves together, as their errors hang together. A part of the runs scatters more: three
-/// standard deviations are allowed to it.
-fn judge(row: &Row, tally: &Tally, many: u64) {
-    let many = many as usize;
-    let slack = if is_whole() { 0.0 } else { 3.0 * (0.0454 * 0.9546 / float(many)).sqrt() };
-    let lowest = match row.turning {
+/// With angles all curves together, as their errors hang together.
+fn judge(row: &Row, tally: &Tally, many: usize) {
+    let shape = row.turning.map(|(shape, _)| shape);
+    let lowest = match shape {
         Some(Shape::FullBow) => return,
         None | Some(Shape::Meant) => 0.93,
         Some(_) => 0.90,
     };
-    let is_bound = row.angle_urad.is_some() || row.beam_mrad.is_some();
+    let is_bound = shape.is_some() || row.beam_mrad.is_some();
     // After a turn U holds a change of the reversal along the axis, which these machines do not have.
     let highest = if is_bound || row.back == Some(false) { 1.0 } else { 0.97 };
     let [points, ends, squareness] = shares(tally);
-    let curves = if row.turning.is_some() { vec![pooled(tally)] } else { [points, ends].concat() };
+    let curves = if shape.is_some() { vec![pooled(tally)] } else { [points, ends].concat() };
+    let slack = scatter(many);
     for share in curves.iter().chain(&squareness) {
         let strict = lowest - slack..=highest + slack;
         assert!(is_held(*share, many, lowest..=highest, strict), "{}: {share}", row.name);
     }
     // Two coefficients of each angle make the errors of all points of a curve: their share scatters more.
-    let is_meant = row.turning == Some(Shape::Meant) && row.beam_mrad.is_none() && is_whole();
+    let is_meant = shape == Some(Shape::Meant) && row.beam_mrad.is_none() && is_whole();
     assert!(!is_meant || pooled(tally) <= 0.97, "{}: {}", row.name, pooled(tally));
 }
 
 #[test]
 fn stated_bounds_hold_the_truth() {
     let many = share(RUNS, 20);
-    let all = tallies(ROWS, 0, many);
+    let all: Vec<Tally> =
+        (0..).zip(&ROWS).map(|(index, row)| tally(row, true, index, many)).collect();
     for (row, tally) in ROWS.iter().zip(&all) {
-        judge(row, tally, many);
+        judge(row, tally, many as usize);
     }
     if is_whole() {
-        let table = table(&all, &tallies(SILENT, 100, many));
+        let silent = |of: usize| {
+            let place = (100..).zip(SILENT).find(|(_, row)| *row == of)?.0;
+            Some(100.0 * pooled(&tally(&ROWS[of], false, place, many)))
+        };
+        let row = |(index, tally): (usize, &Tally)| {
+            let silent = silent(index).map_or("–".to_string(), |share| format!("{share:.1}"));
+            format!("{} | {} | {silent}", ROWS[index].name, cells(tally))
+        };
+        let rows = all.iter().enumerate().map(row);
+        let table = markdown("what | all points | by term | squareness | not stated", rows);
         let page = format!(
             "{many} runs of each row, seed {SEED}. Share of true values within U, %; last column: neither angles nor beam stated.\n\n{table}"
         );
@@ -351,18 +335,15 @@ fn stated_bounds_hold_the_truth() {
     }
 }
 
-/// What some rows are made of.
-fn tallies(rows: &[Row], first: u64, many: u64) -> Vec<Tally> {
-    let tally = |(index, row): (u64, &Row)| {
-        let mut tally = Tally::default();
-        for run in 0..many {
-            let (truth, found) = separated(row, SEED + 1_000_000 * index + run);
-            count(&mut tally, &truth, &found);
-        }
-        println!("{}: {}", row.name, cells(&tally));
-        tally
-    };
-    (first..).zip(rows).map(tally).collect()
+/// What a row is made of; `place`: of its seeds.
+fn tally(row: &Row, is_stated: bool, place: u64, many: u64) -> Tally {
+    let mut tally = Tally::default();
+    for run in 0..many {
+        let (truth, found) = measured(row, is_stated, SEED + 1_000_000 * place + run);
+        count(&mut tally, &truth, &found);
+    }
+    println!("{}: {}", row.name, cells(&tally));
+    tally
 }
 
 /// Points of all curves together, by term, squareness.
@@ -371,45 +352,20 @@ fn cells(tally: &Tally) -> String {
     format!("{:.1} | {points} | {squareness}", 100.0 * pooled(tally))
 }
 
-/// The table of all rows, and what is left of the first column where the job states neither.
-fn table(all: &[Tally], silent: &[Tally]) -> String {
-    let mut table = "| what | all points | by term | squareness | not stated |\n| --- | ---: | ---: | ---: | ---: |".to_string();
-    for (row, tally) in ROWS.iter().zip(all) {
-        let of_row = SILENT.iter().zip(silent).find(|(silent, _)| silent.name == row.name);
-        let silent = of_row
-            .map_or("–".to_string(), |(_, silent)| format!("{:.1}", 100.0 * pooled(silent)));
-        write!(table, "\n| {} | {} | {silent} |", row.name, cells(tally)).unwrap();
-    }
-    table
-}
-
 /// A machine without errors of its own and without noise, one angle or none.
 fn quiet(angles: Vec<(Rotation, Angle)>, steps: usize) -> Rigid {
-    Rigid {
-        nine: Machine::perfect(&volume([900.0, 720.0, 500.0], steps)),
-        angles,
-        beam: PerDiagonal::default(),
-    }
+    Rigid::new(Machine::perfect(&volume([900.0, 720.0, 500.0], steps)), angles)
 }
 
 /// What the separation makes of clean readings; σ stated, so that there is a U.
 fn of_clean(rigid: &Rigid, missing: Option<Rotation>, stated: StatedUncertainty) -> Separation {
-    let truth = rigid.truth();
-    let lines = truth.lines(&[Axis::X, Axis::Y], Some(U_LINE_UM_PER_M));
-    let measurement = simulated::measurement(rigid.volume(), SetUp::Solve, Frame::XPrimary);
-    let mut campaign = campaign(&measurement, lines, stated);
-    if let Some(rotation) = missing {
-        campaign.angles.evidence.missing = vec![rotation];
-    }
-    separate(&campaign, &runs(1, Pass::Forward, &rigid.readings(None)))
+    let lines = rigid.truth().lines(&[Axis::X, Axis::Y], Some(U_LINE_UM_PER_M));
+    let all = runs(1, Pass::Forward, &rigid.readings(None));
+    separated(rigid.volume(), lines, stated, missing, &all)
 }
 
 fn small_noise() -> StatedUncertainty {
-    StatedUncertainty { noise_um: Some(1e-6), ..simulated::exact() }
-}
-
-fn u_of(found: &Separation, term: ErrorTerm) -> Vec<f64> {
-    found.errors.mean[term].as_ref().unwrap().u_um().unwrap()
+    StatedUncertainty { noise_um: Some(1e-6), ..exact() }
 }
 
 #[test]
@@ -419,15 +375,13 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     let rigid = quiet(vec![(yaw, bow)], 14);
     let stated = StatedUncertainty { angle_urad: Some(10.0), noise_um: Some(0.1), ..small_noise() };
     let found = of_clean(&rigid, None, stated);
-    let error = squareness_error(&rigid.truth(), &found, Plane::Xy);
+    let (error, expanded) = squareness_off(&rigid.truth(), &found, Plane::Xy);
     assert!((error.abs() - 5.0).abs() < 0.01, "{error}");
-    let expanded = found.metric.squareness(Plane::Xy).expanded_um_per_m().unwrap();
     assert!((5.0..10.0).contains(&expanded), "{expanded}");
     for term in ErrorTerm::ALL {
-        let evidence = found.errors.mean[term].as_ref().unwrap();
         for (index, wanted) in rigid.truth().curves[term].iter().enumerate() {
-            let error = (evidence.deviation_um[index] - wanted).abs();
-            let expanded = evidence.expanded_um(index).unwrap();
+            let error = (curve(&found, term)[index] - wanted).abs();
+            let expanded = mean(&found, term).expanded_um(index).unwrap();
             assert!(error <= expanded + 1e-6, "{term} {index}: {error}, U {expanded}");
         }
     }
@@ -445,8 +399,7 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
             let rigid = quiet(vec![(rotation, angle)], steps);
             let (truth, found) = (rigid.truth(), of_clean(&rigid, None, small_noise()));
             for term in ErrorTerm::ALL {
-                let curve = &found.errors.mean[term].as_ref().unwrap().deviation_um;
-                let errors = curve.iter().zip(&truth.curves[term]);
+                let errors = curve(&found, term).iter().zip(&truth.curves[term]);
                 for (sum, (found, truth)) in squares[term].iter_mut().zip(errors) {
                     *sum += (found - truth).powi(2);
                 }
@@ -466,7 +419,7 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
             assert!((angle - expected).abs() < 1e-3, "{rotation} {what}: {angle} {expected}");
         };
         for term in ErrorTerm::ALL {
-            let [with, without] = [&with, &without].map(|found| u_of(found, term));
+            let [with, without] = [&with, &without].map(|found| mean(found, term).u_um().unwrap());
             for ((with, without), square) in with.into_iter().zip(without).zip(&squares[term]) {
                 compare(&term.to_string(), with, without, *square);
             }
@@ -486,11 +439,7 @@ fn a_beam_beside_the_normal_shortens_every_diagonal() {
     let scale = |lean: f64, mrad: f64| {
         let mut random = seeded(SEED);
         let mut rigid = quiet(Vec::new(), 6);
-        rigid.nine.lean_randomly(lean, &mut random);
-        rigid.beam = PerDiagonal::from_fn(|d| {
-            let normal = unit(rigid.volume().laser(d).plus(rigid.nine.lean[d]));
-            across(normal, 1e-3 * mrad, &mut random)
-        });
+        rigid.set_up(lean, 1e-3 * mrad, &mut random);
         let found = of_clean(&rigid, None, small_noise());
         let squareness = Plane::ALL.map(|p| found.metric.squareness(p).um_per_m.unwrap().abs());
         let worst = squareness.into_iter().fold(0.0, f64::max);

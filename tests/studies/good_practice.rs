@@ -4,14 +4,12 @@
 //! Both get the same readings. The estimator solves all nine errors and mirrors at once by least squares, draws
 //! what is stated, and judges by the same rule (docs/method.md §23): it is what the program could reach. One visit by
 //! default; `NONIUS_SIMULATIONS=all` makes all of them and the table of docs/accuracy.md §8.
-use super::coverage_bounds::{Angle, Rigid, Shape, across, uniform, unit};
-use crate::support::diagonals::{Machine, dot, float, normal, seeded, volume};
+use super::coverage_bounds::{Angle, Rigid, Shape, uniform, unit};
+use crate::support::diagonals::{Machine, box_of, dot, float, normal, seeded};
 use crate::support::{in_parallel, is_whole, published, share, short_or};
 use nalgebra::{DMatrix, DVector};
 use nonius::cli::answer;
-use nonius::quantity::{
-    Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, Rotation, Volume,
-};
+use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, Rotation};
 use nonius::visit::files::Memory;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
@@ -96,10 +94,6 @@ const ROWS: &[Row] = &[
     },
 ];
 
-fn box_18() -> Volume {
-    volume(SIZE, STEPS)
-}
-
 impl Row {
     /// By the share of the travel: as the bound means it, or a line and a bow that are 0 at the low end.
     fn angle(&self, random: &mut ChaCha8Rng) -> Angle {
@@ -182,12 +176,8 @@ fn measured(
     begins_h: f64,
     random: &mut ChaCha8Rng,
 ) -> Session {
-    let volume = box_18();
-    rigid.nine.lean_randomly(1e-4, random);
-    rigid.beam = PerDiagonal::from_fn(|d| {
-        let mirror = unit(volume.laser(d).plus(rigid.nine.lean[d]));
-        across(mirror, 3e-4, random)
-    });
+    let volume = box_of(STEPS);
+    rigid.set_up(1e-4, 3e-4, random);
     let truth = rigid.truth();
     let line = |(at, axis): (usize, &Axis)| {
         let warmed = Drift::grown(begins_h + 0.3 * float(at)) * drift.scale_ppm[*axis];
@@ -313,7 +303,7 @@ impl Dense {
             let none: Vec<_> = row.linear.iter().map(|axis| (*axis, 0.0)).collect();
             data(&readings, &none)
         });
-        let volume = box_18();
+        let volume = box_of(STEPS);
         let machine = Machine::perfect(&volume);
         let each_time = drawn(&mut |random| {
             let readings = PerDiagonal::from_fn(|d| {
@@ -330,7 +320,7 @@ impl Dense {
             .flat_map(|rotation| shapes.map(|shape| (rotation, shape)))
             .map(|(rotation, shape)| {
                 let angles: Vec<(Rotation, Angle)> = vec![(rotation, Box::new(shape))];
-                let rigid = Rigid { nine: machine.clone(), angles, beam: PerDiagonal::default() };
+                let rigid = Rigid::new(machine.clone(), angles);
                 let truth = rigid.truth();
                 let own = |axis: &Axis| (*axis, truth.slope(ErrorTerm { of: *axis, along: *axis }));
                 let lines: Vec<_> = row.linear.iter().map(own).collect();
@@ -388,7 +378,7 @@ fn quantile(mut all: Vec<f64>) -> f64 {
 
 /// Nine errors, two leans of each mirror → increments, µm, and slopes, µm/m.
 fn design(linear: &[Axis]) -> DMatrix<f64> {
-    let (volume, machine) = (box_18(), Machine::perfect(&box_18()));
+    let (volume, machine) = (box_of(STEPS), Machine::perfect(&box_of(STEPS)));
     let mut design = DMatrix::zeros(INCREMENTS + linear.len(), 9 * STEPS + 8);
     for (at, d) in Diagonal::ALL.into_iter().enumerate() {
         let (laser, mirror) = (volume.laser(d), 9 * STEPS + 2 * at);
@@ -446,8 +436,7 @@ struct Visited {
 fn visited(row: &Row, dense: &Dense, seed: u64) -> Visited {
     let mut random = seeded(seed);
     let angles = Rotation::all().map(|rotation| (rotation, row.angle(&mut random))).collect();
-    let nine = Machine::random(&box_18(), &mut random);
-    let mut rigid = Rigid { nine, angles, beam: PerDiagonal::default() };
+    let mut rigid = Rigid::new(Machine::random(&box_of(STEPS), &mut random), angles);
     let drift = Drift::drawn(&mut random);
     let first = measured("job", row, &mut rigid, &drift, 0.0, &mut random);
     let (found, sigma) = dense.found(&first);

@@ -2,7 +2,7 @@
 //! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
-use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
+use nonius::machine::separation::{Campaign, MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis,
     PerDiagonal, PerTerm, Plane, Run, Volume,
@@ -10,6 +10,10 @@ use nonius::quantity::{
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+
+/// Noise of a reading, µm, and standard uncertainty of the slope of a linear axis, µm/m, of most machines.
+pub(crate) const SIGMA_UM: f64 = 0.3;
+pub(crate) const U_LINE_UM_PER_M: f64 = 0.5;
 
 /// Readings of a pass along each diagonal, µm.
 pub(crate) type Readings = PerDiagonal<Vec<f64>>;
@@ -37,8 +41,12 @@ pub(crate) fn volume(size: [f64; 3], steps: usize) -> Volume {
     Volume { start: mm(0.0, 0.0, 0.0), size: mm(x, y, z), steps, order: Axis::ALL }
 }
 
+pub(crate) fn box_of(steps: usize) -> Volume {
+    volume([900.0, 720.0, 720.0], steps)
+}
+
 pub(crate) fn box_30() -> Volume {
-    volume([900.0, 720.0, 720.0], 30)
+    box_of(30)
 }
 
 /// The numbers of a seed.
@@ -261,6 +269,28 @@ pub(crate) fn noisy_runs(
     all
 }
 
+/// Runs of a visit with noise; `back`: reverse passes, too, and whether after an overrun.
+pub(crate) fn visit_runs(
+    readings: impl Fn(Option<bool>) -> Readings,
+    back: Option<bool>,
+    repeats: u32,
+    sigma: f64,
+    random: &mut ChaCha8Rng,
+) -> Vec<Run> {
+    let mut passes = vec![(Pass::Forward, readings(None))];
+    passes.extend(back.map(|_| (Pass::Reverse, readings(back))));
+    noisy_runs(&passes, repeats, sigma, random)
+}
+
+/// Readings of lasers whose scale is off by so much in each set-up, 10⁻⁶.
+pub(crate) fn stretched(volume: &Volume, readings: &Readings, ppm: &PerDiagonal<f64>) -> Readings {
+    PerDiagonal::from_fn(|d| {
+        let metres = |node| volume.nominal_mm(d, PathKind::Step, node) / 1000.0;
+        let nodes = readings[d].iter().enumerate();
+        nodes.map(|(node, um)| um + ppm[d] * metres(node)).collect()
+    })
+}
+
 /// A laser and a beam without error.
 pub(crate) fn exact() -> StatedUncertainty {
     let zero = Some(0.0);
@@ -284,6 +314,12 @@ pub(crate) fn noisy_lines(
 /// How far the squareness found lies beside that of the machine, µm/m.
 pub(crate) fn squareness_error(truth: &Machine, found: &Separation, plane: Plane) -> f64 {
     found.metric.squareness(plane).um_per_m.unwrap() - truth.squareness(plane)
+}
+
+/// The same, and its expanded uncertainty.
+pub(crate) fn squareness_off(truth: &Machine, found: &Separation, plane: Plane) -> (f64, f64) {
+    let expanded = found.metric.squareness(plane).expanded_um_per_m().unwrap();
+    (squareness_error(truth, found, plane), expanded)
 }
 
 /// How often something lay within its expanded uncertainty.
@@ -347,8 +383,13 @@ pub(crate) fn solved(volume: &Volume, lines: Vec<MeasuredLine>, runs: &[Run]) ->
     separate(&campaign(&measurement, lines), runs)
 }
 
+/// What was found of a term, both directions together.
+pub(crate) fn mean(separation: &Separation, term: ErrorTerm) -> &SeparatedError {
+    separation.errors.mean[term].as_ref().unwrap()
+}
+
 pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
-    &separation.errors.mean[term].as_ref().unwrap().deviation_um
+    &mean(separation, term).deviation_um
 }
 
 #[track_caller]

@@ -60,6 +60,18 @@ pub(crate) fn may_be(share: f64, trials: usize, stated: RangeInclusive<f64>) -> 
     low.cdf(above) >= 1e-4 && as_many >= 1e-4
 }
 
+/// What a share of 95.46 % of so many trials may scatter by, three standard deviations; nothing where all are run.
+pub(crate) fn scatter(trials: usize) -> f64 {
+    if is_whole() { 0.0 } else { 3.0 * (0.0454 * 0.9546 / trials as f64).sqrt() }
+}
+
+/// A table: the first column to the left, the others to the right.
+pub(crate) fn markdown(head: &str, rows: impl IntoIterator<Item = String>) -> String {
+    let columns = " ---: |".repeat(head.matches(" | ").count());
+    let rows: String = rows.into_iter().map(|row| format!("\n| {row} |")).collect();
+    format!("| {head} |\n| --- |{columns}{rows}")
+}
+
 /// Compares a table with that between the markers `name` of `tests/studies/<file>.rs`; with
 /// `NONIUS_UPDATE` in the environment writes it there.
 pub(crate) fn published(name: &str, file: &str, table: &str) {
