@@ -1,12 +1,14 @@
 //! `nonius plan`: its U against simulated visits, each with a machine, mirrors, noise and lasers of its own, and against
 //! the U of the readings; what its page says. 25 visits of each kind by default, since fewer do not tell the U of the
 //! readings; with `NONIUS_SIMULATIONS=all` all of them, and the table of docs/accuracy.md §8.
-use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, Readings, Share, float, noisy_runs, normal, seeded, squareness_error, volume,
+    self as simulated, Machine, Share, curve, float, normal, seeded, squareness_error, stretched,
+    visit_runs, volume,
 };
 use crate::support::visit::{self};
-use crate::support::{fixture, is_held, is_whole, published, share, short_or, shown, source};
+use crate::support::{
+    fixture, is_held, is_whole, markdown, published, scatter, share, short_or, shown, source,
+};
 use nonius::inputs::error_table::{ErrorTable, write};
 use nonius::inputs::job::{Frame, Job, SetUp, StatedUncertainty, UseOf};
 use nonius::judge::after::{AfterMeasurement, compare};
@@ -17,10 +19,9 @@ use nonius::machine::model::ErrorModel;
 use nonius::machine::separation::campaign::Estimate;
 use nonius::machine::separation::table::draft;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
-use nonius::quantity::{Axis, Diagonal, ErrorTerm, Pass, PathKind, PerAxis, PerDiagonal, Plane};
+use nonius::quantity::{Axis, ErrorTerm, PerAxis, PerDiagonal, Plane};
 use nonius::write::plan::Plan;
 use rand_chacha::ChaCha8Rng;
-use std::fmt::Write as _;
 
 const SEED: u64 = 19;
 const VISITS: u64 = 500;
@@ -40,8 +41,6 @@ struct Row {
     laser_ppm: f64,
     setup_ppm: f64,
     linear: &'static [Axis],
-    /// Whether U may hold more than it says.
-    is_bound: bool,
 }
 
 const PLAIN: Row = Row {
@@ -54,13 +53,9 @@ const PLAIN: Row = Row {
     laser_ppm: 0.0,
     setup_ppm: 0.0,
     linear: &[Axis::X, Axis::Y],
-    is_bound: false,
 };
 
-const SET_UPS: &str = "30 steps, 0.2 ppm from one set-up to the next";
-const ONE_LASER: &str = "the same laser everywhere, wrong by 0.5 ppm";
-
-const ROWS: &[Row] = &[
+const ROWS: [Row; 9] = [
     PLAIN,
     Row { name: "noise not stated", noise: (1.0, false), ..PLAIN },
     Row { name: "linear X, Y and Z", linear: &Axis::ALL, ..PLAIN },
@@ -74,30 +69,31 @@ const ROWS: &[Row] = &[
         program: "overrun_mm = 2",
         ..PLAIN
     },
-    Row { name: SET_UPS, steps: 30, setup_ppm: 0.2, ..PLAIN },
-    Row { name: ONE_LASER, laser_ppm: 0.5, is_bound: true, ..PLAIN },
+    Row { steps: 30, setup_ppm: 0.2, ..named("30 steps, 0.2 ppm from one set-up to the next") },
+    Row { laser_ppm: 0.5, ..named("the same laser everywhere, wrong by 0.5 ppm") },
 ];
+
+const fn named(name: &'static str) -> Row {
+    Row { name, ..PLAIN }
+}
 
 impl Row {
     fn text(&self) -> String {
-        let [x, y, z] = self.size;
-        let noise = match self.noise {
-            (um, true) => format!("noise_um = {um:?}\n"),
-            (_, false) => String::new(),
-        };
-        let axis = |(axis, size)| {
+        let Row { size, steps, program, laser_ppm, setup_ppm, noise: (um, is_stated), .. } = self;
+        let noise = if *is_stated { format!("noise_um = {um:?}\n") } else { String::new() };
+        let axis = |(axis, size): (&str, &f64)| {
             let reference = self.reference * size;
             format!(
                 "axes.{axis} = {{ travel_mm = [0.0, {size:?}], reference_mm = {reference:?} }}\n"
             )
         };
-        let axes = [("x", x), ("y", y), ("z", z)].map(axis).concat();
+        let axes: String = ["x", "y", "z"].into_iter().zip(size).map(axis).collect();
+        let [x, y, z] = size;
         format!(
             "schema = 1\n[machine]\nname = \"VMC\"\nchain = \"wXYZt\"\n{axes}[measurement]\nerrors = \"none.csv\"\n\
-             [measurement.uncertainty]\n{noise}laser_ppm = {:?}\nbeam_mrad = 0.0\nsetup_ppm = {:?}\n\
+             [measurement.uncertainty]\n{noise}laser_ppm = {laser_ppm:?}\nbeam_mrad = 0.0\nsetup_ppm = {setup_ppm:?}\n\
              [program]\nwhat = \"step-diagonal\"\nstart_mm = {{ x = 0.0, y = 0.0, z = 0.0 }}\n\
-             size_mm = {{ x = {x:?}, y = {y:?}, z = {z:?} }}\nsteps = {}\norder = \"XYZ\"\n{}\n",
-            self.laser_ppm, self.setup_ppm, self.steps, self.program
+             size_mm = {{ x = {x:?}, y = {y:?}, z = {z:?} }}\nsteps = {steps}\norder = \"XYZ\"\n{program}\n"
         )
     }
 
@@ -111,15 +107,6 @@ impl Row {
 
 fn read(text: &str) -> Job {
     shown(Job::read_for(source("job.toml", text), UseOf::Figures))
-}
-
-/// Readings of a laser whose scale is off by so much in each set-up, 10⁻⁶.
-fn scaled(machine: &Machine, readings: &Readings, ppm: &PerDiagonal<f64>) -> Readings {
-    let at = |d: Diagonal, node| machine.volume.nominal_mm(d, PathKind::Step, node) / 1000.0;
-    PerDiagonal::from_fn(|d| {
-        let nodes = readings[d].iter().enumerate();
-        nodes.map(|(node, um)| um + ppm[d] * at(d, node)).collect()
-    })
 }
 
 /// The truth of a machine, and what a visit finds.
@@ -141,10 +128,8 @@ fn measured(
     let over = planned.expected.overrun;
     let laser = row.laser_ppm * normal(random);
     let ppm = PerDiagonal::from_fn(|_| laser + row.setup_ppm * normal(random));
-    let mut passes = vec![(Pass::Forward, scaled(&machine, &machine.readings(None), &ppm))];
-    let back = over.map(|_| (Pass::Reverse, scaled(&machine, &machine.readings(over), &ppm)));
-    passes.extend(back);
-    let all = noisy_runs(&passes, planned.variant.run.runs, row.noise.0, random);
+    let readings = |back| stretched(&machine.volume, &machine.readings(back), &ppm);
+    let all = visit_runs(readings, over, planned.variant.run.runs, row.noise.0, random);
     let truth = machine.x_primary();
     let line = |line: &MeasuredLine| {
         let axis = Axis::ALL.into_iter().find(|axis| line.direction[*axis] > 0.5).unwrap();
@@ -171,20 +156,21 @@ fn measured(
 fn second_passes(row: &Row, planned: &Visit, job: &Job, seed: u64) -> bool {
     let (mut machine, found) = visited(row, planned, job, seed);
     for term in ErrorTerm::ALL {
-        let found = &found.errors.mean[term].as_ref().unwrap().deviation_um;
-        machine.curves[term].iter_mut().zip(found).for_each(|(um, found)| *um -= found);
+        machine.curves[term]
+            .iter_mut()
+            .zip(curve(&found, term))
+            .for_each(|(um, found)| *um -= found);
     }
     let mut random = seeded(seed + 500_000);
     let second = measured(row, planned, job, machine, &mut random);
     let mut job = job.clone();
     job.measurement.uncertainty = StatedUncertainty::default(); // the table holds it
-    let job = &job;
-    let text = write(&draft(&second, job, Vec::new()));
-    let model = ErrorModel::build(job, &ErrorTable::read(source("after.csv", &text)).unwrap());
-    let model = model.unwrap();
+    let text = write(&draft(&second, &job, Vec::new()));
+    let table = ErrorTable::read(source("after.csv", &text)).unwrap();
+    let model = ErrorModel::build(&job, &table).unwrap();
     let plan = Plan { names: PerAxis::from_fn(|axis| vec![axis.to_string()]), ..Plan::default() };
     let after = AfterMeasurement::Errors(Box::new(model.clone()));
-    let seen = compare(AsMeasured::alone(&model), &plan, None, None, &after, job).unwrap();
+    let seen = compare(AsMeasured::alone(&model), &plan, None, None, &after, &job).unwrap();
     seen.as_left.verdict(job.acceptance) == Verdict::Pass
 }
 
@@ -197,16 +183,8 @@ fn as_many_second_measurements_pass_as_a_plan_promises() {
     let high =
         &Row { name: "linear X, Y and Z, reference at the high end", reference: 1.0, ..*linear };
     let middle = &Row { name: "three runs, reference in the middle", reference: 0.5, ..*three };
-    let rows = [
-        (first, 1.6),
-        (linear, 1.7),
-        (three, 1.7),
-        (set_ups, 1.5),
-        (turn, 1.6),
-        (high, 1.7),
-        (middle, 1.7),
-    ];
-    for (index, (row, factor)) in (0..).zip(rows) {
+    let rows = [first, linear, three, set_ups, turn, high, middle];
+    for ((index, row), factor) in (0..).zip(rows).zip([1.6, 1.7, 1.7, 1.5, 1.6, 1.7, 1.7]) {
         let text = row.text().replace("[measurement.uncertainty]\n", NONE);
         let limit_um = factor * row.visit(&read(&text)).at_most_um().unwrap();
         let job = read(&format!("{text}[acceptance]\nmax_deviation_um = {limit_um}\n"));
@@ -276,8 +254,7 @@ fn count(shares: &mut [Shares; 3], truth: &Machine, planned: &Separation, found:
 #[test]
 fn the_u_of_a_plan_holds_the_truth_of_simulated_visits() {
     let many = share(VISITS, 25);
-    let mut table = "| visit | points within U, % | U of the readings by U of the plan |\n| --- | ---: | ---: |".to_string();
-    for (index, row) in (0..).zip(ROWS) {
+    let row = |(index, row): (u64, &Row)| {
         let job = read(&row.text());
         let planned = row.visit(&job);
         let mut shares = <[Shares; 3]>::default();
@@ -286,10 +263,12 @@ fn the_u_of_a_plan_holds_the_truth_of_simulated_visits() {
             let (truth, found) = visited(row, &planned, &job, seed);
             count(&mut shares, &truth, &planned.expected, &found);
         }
-        judge(row, &shares, many);
+        judge(row, &shares, many as usize);
         let (held, ratio) = (100.0 * shares[0].held.value(), shares[0].ratio());
-        write!(table, "\n| {} | {held:.1} | {ratio:.3} |", row.name).unwrap();
-    }
+        format!("{} | {held:.1} | {ratio:.3}", row.name)
+    };
+    let head = "visit | points within U, % | U of the readings by U of the plan";
+    let table = markdown(head, (0..).zip(&ROWS).map(row));
     println!("{table}");
     if is_whole() {
         let page = format!("{VISITS} visits of each row, seed {SEED}.\n\n{table}");
@@ -297,12 +276,10 @@ fn the_u_of_a_plan_holds_the_truth_of_simulated_visits() {
     }
 }
 
-/// 93 … 97 %, or 93 % and more where the same error of the laser is counted in several places. A part of the
-/// visits scatters more: three standard deviations of as many visits are allowed to it (σ of 42 degrees of freedom: 11 %).
-fn judge(row: &Row, shares: &[Shares; 3], many: u64) {
-    let many = many as usize;
-    let slack = if is_whole() { 0.0 } else { 3.0 * (0.0454 * 0.9546 / float(many)).sqrt() };
-    let highest = if row.is_bound { 1.0 } else { 0.97 };
+/// 93 … 97 %, or 93 % and more where the same error of the laser is counted in several places. A part of the visits scatters
+/// more (σ of 42 degrees of freedom: 11 %).
+fn judge(row: &Row, shares: &[Shares; 3], many: usize) {
+    let (slack, highest) = (scatter(many), if row.laser_ppm > 0.0 { 1.0 } else { 0.97 });
     for share in shares.iter().filter(|share| share.held.all > 0) {
         let (value, ratio) = (share.held.value(), share.ratio());
         let off = if is_whole() { 0.03 } else { 0.03 + 3.0 * 0.11 / float(many).sqrt() };
