@@ -4,7 +4,8 @@
 use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
 use crate::support::{
-    DIAGONALS, Random, Visit, in_parallel, is_whole, may_be, number, published, share, short_or,
+    DIAGONALS, Random, Visit, in_parallel, is_whole, markdown, may_be, number, published, share,
+    short_or,
 };
 use serde_json::Value;
 use std::iter::once;
@@ -90,7 +91,7 @@ impl Trial {
         let limit = format!("max_deviation_um = {}", self.limit);
         let parts = (text.as_str(), "controller = \"generic\"", limit.as_str());
         let text = job_text(AXES, parts, f64::from(self.steps), "");
-        let text = text.replace("\"rig\"", "\"rig\"\nchain = \"wXYZt\"");
+        let text = text.replace("\"M\"", "\"M\"\nchain = \"wXYZt\"");
         self.visit.put(&format!("{name}.toml"), text);
     }
 
@@ -230,26 +231,24 @@ fn the_act_that_stands_first_decides() {
     let seeds = short_or(vec![39, 65], (0..share(VISITS, 2)).collect());
     let visits = seeds.len();
     let found: Vec<_> = in_parallel(seeds, visited).into_iter().flatten().collect();
-    let mut text = format!(
-        "{visits} visits, seed {SEED}.\n\n| undecided, limit in % of *at most* | visits | said to decide | does | not said | does |\n| --- | ---: | ---: | ---: | ---: | ---: |"
-    );
-    let kinds = ["forecast", "as left"]
-        .into_iter()
-        .flat_map(|of| ["75…100", "35…60"].map(|share| (of, share)));
     // Acts that are told to decide; all visits with a limit that is not far from what is shown.
     let mut all = [(0, 0); 2];
-    for (row, (of, share)) in kinds.enumerate() {
+    let kinds = ["forecast, 75…100", "forecast, 35…60", "as left, 75…100", "as left, 35…60"];
+    let row = |(row, name): (usize, &str)| {
         let own: Vec<_> = found.iter().filter(|of| of.0 == row).collect();
         let count = |told| own.iter().filter(|of| of.1 == told).count();
         let does = |told| own.iter().filter(|of| of.1 == told && of.2).count();
         let [yes, sure, no, too] = [count(true), does(true), count(false), does(false)];
-        let row = [own.len(), yes, sure, no, too].map(|count| count.to_string()).join(" | ");
-        text += &format!("\n| {of}, {share} | {row} |");
         all[0] = (all[0].0 + yes, all[0].1 + sure);
-        if share.starts_with("75") {
+        if row % 2 == 0 {
             all[1] = (all[1].0 + own.len(), all[1].1 + sure + too);
         }
-    }
+        format!("{name} | {} | {yes} | {sure} | {no} | {too}", own.len())
+    };
+    let head =
+        "undecided, limit in % of *at most* | visits | said to decide | does | not said | does";
+    let table = markdown(head, kinds.into_iter().enumerate().map(row));
+    let text = format!("{visits} visits, seed {SEED}.\n\n{table}");
     println!("{text}");
     for (told, held) in all {
         let held = if told == 0 { 1.0 } else { held as f64 / told as f64 };

@@ -3,10 +3,11 @@
 //! against them that is not so. The tables stand in docs/accuracy.md §11;
 //! `NONIUS_SIMULATIONS=all NONIUS_UPDATE=1 cargo test --release --test studies right_kits` writes them;
 //! without it four of each kind are run.
-use super::causes::{Travels, gauss, job_text};
-use crate::support::{Random, Visit, in_parallel, is_held, is_whole, may_be, published, share};
+use super::causes::{Travels, error_csv, gauss, job_text};
+use crate::support::{
+    Random, Visit, in_parallel, is_held, is_whole, markdown, may_be, number, published, share,
+};
 use serde_json::Value;
-use std::fmt::Write;
 
 pub(super) const AXES: Travels = [("x", 0.0, 900.0), ("y", 0.0, 720.0), ("z", -720.0, 0.0)];
 
@@ -17,33 +18,22 @@ pub(super) struct Row {
     pub(super) um: [f64; 3],
 }
 
-/// A curve over 0 … 1: slope, bow, one wave, a ripple.
-struct Shape {
-    slope: f64,
-    bow: f64,
-    wave: f64,
-    ripple: f64,
-    times: f64,
-}
+/// A curve over 0 … 1: slope, bow, one wave, a ripple that waves so many times.
+struct Shape([f64; 5]);
 
 impl Shape {
     fn drawn(random: &mut Random, sloped: bool) -> Shape {
         let slope = random.between(-1.2, 1.2);
-        Shape {
-            slope: if sloped { slope } else { 0.0 },
-            bow: random.between(-1.0, 1.0),
-            wave: random.between(-0.5, 0.5),
-            ripple: random.between(-0.3, 0.3),
-            times: (random.below(4) + 2) as f64,
-        }
+        let bow = random.between(-1.0, 1.0);
+        let wave = random.between(-0.5, 0.5);
+        let ripple = random.between(-0.3, 0.3);
+        let times = (random.below(4) + 2) as f64;
+        Shape([if sloped { slope } else { 0.0 }, bow, wave, ripple, times])
     }
 
     fn at(&self, t: f64) -> f64 {
-        let turn = std::f64::consts::TAU * t;
-        self.slope * t
-            + self.bow * 4.0 * t * (1.0 - t)
-            + self.wave * turn.sin()
-            + self.ripple * (self.times * turn).sin()
+        let (Shape([slope, bow, wave, ripple, times]), turn) = (self, std::f64::consts::TAU * t);
+        slope * t + bow * 4.0 * t * (1.0 - t) + wave * turn.sin() + ripple * (times * turn).sin()
     }
 }
 
@@ -52,14 +42,11 @@ pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
     let mut rows = Vec::new();
     for (axis, (_, low, high)) in AXES.into_iter().enumerate() {
         let sloped = |of: usize| !matches!((of, axis), (1 | 2, 0) | (2, 1));
-        let shapes: Vec<Shape> = (0..3).map(|of| Shape::drawn(random, sloped(of))).collect();
+        let shapes = [0, 1, 2].map(|of| Shape::drawn(random, sloped(of)));
         for index in 0..points {
             let t = f64::from(index) / f64::from(points - 1);
-            rows.push(Row {
-                axis,
-                mm: low + t * (high - low),
-                um: [0, 1, 2].map(|of| size * shapes[of].at(t)),
-            });
+            let um = shapes.each_ref().map(|shape| size * shape.at(t));
+            rows.push(Row { axis, mm: low + t * (high - low), um });
         }
     }
     rows
@@ -67,19 +54,8 @@ pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
 
 /// An error table; `noise` is added to every value, and stated where `u_um` is given.
 pub(super) fn table(rows: &[Row], mut noise: impl FnMut() -> f64, u_um: Option<f64>) -> String {
-    let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um");
-    csv.push_str(if u_um.is_some() { ",u_ex_um,u_ey_um,u_ez_um\n" } else { "\n" });
-    for row in rows {
-        write!(csv, "{},{}", AXES[row.axis].0, row.mm).unwrap();
-        for um in row.um {
-            write!(csv, ",{:.6}", um + noise()).unwrap();
-        }
-        for u in u_um.iter().flat_map(|u| [u, u, u]) {
-            write!(csv, ",{u}").unwrap();
-        }
-        csv.push('\n');
-    }
-    csv
+    let row = |row: &Row| (AXES[row.axis].0, "", row.mm, row.um.map(|um| Some(um + noise())));
+    error_csv(rows.iter().map(row), u_um)
 }
 
 /// The rows of an error table that the program wrote.
@@ -122,18 +98,13 @@ fn diagonals(readings: &str, linear: &str, active: &str, u: &str) -> String {
 
 /// What became of a right kit.
 struct Outcome {
-    forecast: String,
-    after: String,
+    /// Verdict of the forecast, and of the second measurement.
+    verdicts: [String; 2],
     /// True residuals within the U of the forecast: the largest of all, each term.
     largest_held: bool,
     terms_held: usize,
     not_as_forecast: bool,
     named_off: bool,
-}
-
-fn said(document: &Value, key: &str, words: &str) -> bool {
-    let all = document[key].as_array().unwrap();
-    all.iter().any(|said| said.as_str().unwrap().contains(words))
 }
 
 fn largest(rows: &[Row], axis: usize, of: usize) -> f64 {
@@ -156,25 +127,27 @@ fn left_by_kit(visit: &Visit) -> Vec<Row> {
 fn outcome(visit: &Visit, left: &[Row]) -> Outcome {
     let forecast = visit.json("verify job.toml --tables kit");
     let after = visit.json("verify job.toml --tables kit --after after.toml");
+    let held = |um: f64, of: &Value, what: &str, expanded: &str| {
+        let u = of[expanded].as_f64().unwrap_or(f64::INFINITY);
+        um <= number(&of[what]) + u
+    };
     let mut terms_held = 0;
     let mut most = 0.0_f64;
     for (along, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
         for (index, of) in ["X", "Y", "Z"].into_iter().enumerate() {
             let term = &forecast["terms"][format!("E{of}{axis}")];
             let um = largest(left, along, index);
-            let u = term["expanded_um"].as_f64().unwrap_or(f64::INFINITY);
-            terms_held += usize::from(um <= term["forecast_um"].as_f64().unwrap() + u);
+            terms_held += usize::from(held(um, term, "forecast_um", "expanded_um"));
             most = most.max(um);
         }
     }
-    let u = forecast["max_residual_expanded_um"].as_f64().unwrap_or(f64::INFINITY);
+    let mut notes = after["notes"].as_array().unwrap().iter();
     Outcome {
-        forecast: forecast["verdict"].as_str().unwrap().to_string(),
-        after: after["verdict"].as_str().unwrap().to_string(),
-        largest_held: most <= forecast["max_residual_um"].as_f64().unwrap() + u,
+        verdicts: [&forecast, &after].map(|of| of["verdict"].as_str().unwrap().to_string()),
+        largest_held: held(most, &forecast, "max_residual_um", "max_residual_expanded_um"),
         terms_held,
         not_as_forecast: !after["diagnosis"]["as_forecast"].as_bool().unwrap(),
-        named_off: said(&after, "notes", "off the forecast"),
+        named_off: notes.any(|note| note.as_str().unwrap().contains("off the forecast")),
     }
 }
 
@@ -250,83 +223,79 @@ fn by_tables(seed: u64, stated: (bool, bool), laser_ppm: f64) -> Outcome {
     outcome(&visit, &left)
 }
 
-fn percent(count: usize, of: usize) -> String {
-    format!("{:.1}", 100.0 * count as f64 / of as f64)
+/// Kits of one kind, and whether their forecast has a U.
+struct Kind(String, bool, Vec<Outcome>);
+
+impl Kind {
+    fn row(&self) -> String {
+        let Kind(name, known, all) = self;
+        let count = |is: &dyn Fn(&Outcome) -> bool| all.iter().filter(|o| is(o)).count();
+        let percent = |count: usize, of: usize| match known {
+            true => format!("{:.1}", 100.0 * count as f64 / of as f64),
+            false => "–".to_string(),
+        };
+        let largest = percent(count(&|o| o.largest_held), all.len());
+        let each = percent(all.iter().map(|o| o.terms_held).sum(), 9 * all.len());
+        let [forecast, after] = [0, 1].map(|which| {
+            let of = |word| count(&|o| o.verdicts[which] == word).to_string();
+            ["pass", "undecided", "fail"].map(of).join("/")
+        });
+        let [not, off] = [count(&|o| o.not_as_forecast), count(&|o| o.named_off)];
+        format!("{name} | {} | {largest} | {each} | {forecast} | {after} | {not}/{off}", all.len())
+    }
 }
 
-fn row(name: &str, all: &[Outcome], with_forecast: bool) -> String {
-    let count = |is: &dyn Fn(&Outcome) -> bool| all.iter().filter(|o| is(o)).count();
-    let terms: usize = all.iter().map(|o| o.terms_held).sum();
-    let held = match with_forecast {
-        true => format!(
-            "{} | {}",
-            percent(count(&|o| o.largest_held), all.len()),
-            percent(terms, 9 * all.len())
-        ),
-        false => "– | –".to_string(),
-    };
-    let verdicts = |of: &dyn Fn(&Outcome) -> &str| {
-        let each = ["pass", "undecided", "fail"].map(|v| count(&|o| of(o) == v).to_string());
-        each.join("/")
-    };
-    format!(
-        "| {name} | {} | {held} | {} | {} | {}/{} |\n",
-        all.len(),
-        verdicts(&|o| &o.forecast),
-        verdicts(&|o| &o.after),
-        count(&|o| o.not_as_forecast),
-        count(&|o| o.named_off),
-    )
+/// Share of kits for which something is so, and how many they are.
+fn share_of<'a>(
+    all: impl IntoIterator<Item = &'a Outcome>,
+    is: impl Fn(&Outcome) -> bool,
+) -> (f64, usize) {
+    let so: Vec<bool> = all.into_iter().map(is).collect();
+    (so.iter().filter(|so| **so).count() as f64 / so.len() as f64, so.len())
 }
 
-/// Share of kits for which something is so.
-fn share_of(all: &[Outcome], is: impl Fn(&Outcome) -> bool) -> f64 {
-    all.iter().filter(|o| is(o)).count() as f64 / all.len() as f64
-}
-
-const HEAD: &str = "| right kits | kits | largest within its U, % | each term, % | forecast | after | false alarms |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+const HEAD: &str =
+    "right kits | kits | largest within its U, % | each term, % | forecast | after | false alarms";
 
 #[test]
 fn right_kits_hold_their_forecast_and_are_not_accused() {
     let (diagonals, tables) = (share(300, 4), share(200, 4));
-    let mut text = HEAD.to_string();
-    let mut kinds: Vec<(String, bool, Vec<Outcome>)> = Vec::new();
-    for (runs, u_of_lines, name) in [
+    let by_diagonals = [
         (1, true, "diagonals, one run"),
         (3, false, "diagonals, three runs, lines without U"),
         (3, true, "diagonals, three runs"),
-    ] {
-        let first = 10_000 * u64::from(runs);
-        let all = in_parallel(0..diagonals, |i| by_diagonals(first + i, runs, u_of_lines));
-        kinds.push((name.to_string(), u_of_lines, all));
-    }
-    for (index, (first, second, laser, name)) in (1..).zip(STATED) {
-        let seed = 100_000 * index;
-        let all = in_parallel(0..tables, |i| by_tables(seed + i, (first, second), laser));
-        kinds.push((format!("tables, {name}"), first, all));
-    }
-    for (name, known, all) in &kinds {
-        text += &row(name, all, *known);
-    }
+    ]
+    .map(|(runs, known, name)| {
+        let seeds = (0..diagonals).map(|i| 10_000 * u64::from(runs) + i);
+        let all = in_parallel(seeds, |seed| by_diagonals(seed, runs, known));
+        Kind(name.to_string(), known, all)
+    });
+    let by_tables = (1..).zip(STATED).map(|(index, (first, second, laser, name))| {
+        let seeds = (0..tables).map(|i| 100_000 * index + i);
+        let all = in_parallel(seeds, |seed| by_tables(seed, (first, second), laser));
+        Kind(format!("tables, {name}"), first, all)
+    });
+    let kinds: Vec<Kind> = by_diagonals.into_iter().chain(by_tables).collect();
+    let text = markdown(HEAD, kinds.iter().map(Kind::row));
     println!("{text}");
     let (least, most) = if is_whole() { (0.93, 0.01) } else { (0.80, 0.10) };
-    let (mut every_held, mut stating, mut every_accused, mut every) = (0.0, 0, 0.0, 0);
-    for (name, known, all) in &kinds {
-        let accused = share_of(all, |o| o.not_as_forecast || o.named_off);
-        (every_accused, every) = (every_accused + accused * all.len() as f64, every + all.len());
-        assert!(is_held(accused, all.len(), 0.0..=0.01, 0.0..=most), "{name}: {accused}\n{text}");
-        if *known {
-            let held = share_of(all, |o| o.largest_held);
-            (every_held, stating) = (every_held + held * all.len() as f64, stating + all.len());
-            assert!(is_held(held, all.len(), 0.93..=1.0, least..=1.0), "{name}: {held}\n{text}");
-        }
+    let is_accused = |o: &Outcome| o.not_as_forecast || o.named_off;
+    let is_held_by = |o: &Outcome| o.largest_held;
+    for Kind(name, known, all) in &kinds {
+        let (accused, count) = share_of(all, is_accused);
+        assert!(is_held(accused, count, 0.0..=0.01, 0.0..=most), "{name}: {accused}\n{text}");
+        let (held, _) = share_of(all, is_held_by);
+        let held_enough = !known || is_held(held, count, 0.93..=1.0, least..=1.0);
+        assert!(held_enough, "{name}: {held}\n{text}");
     }
     // A few of a kind decide little, all kinds together more.
-    let (held, accused) = (every_held / stating as f64, every_accused / every as f64);
+    let known = kinds.iter().filter(|Kind(_, known, _)| *known);
+    let (held, stating) = share_of(known.flat_map(|Kind(.., all)| all), is_held_by);
+    let (accused, every) = share_of(kinds.iter().flat_map(|Kind(.., all)| all), is_accused);
     assert!(may_be(held, stating, 0.93..=1.0), "{held}\n{text}");
     assert!(may_be(accused, every, 0.0..=0.01), "{accused}\n{text}");
-    let passed = share_of(&kinds[2].2, |o| o.after == "pass");
-    assert!(may_be(passed, kinds[2].2.len(), 0.9..=1.0), "{passed}");
+    let (passed, kits) = share_of(&kinds[2].2, |o| o.verdicts[1] == "pass");
+    assert!(may_be(passed, kits, 0.9..=1.0), "{passed}");
     if is_whole() {
         assert!(passed >= 0.9, "{passed}");
         published("right kits", "right_kits", &text);

@@ -59,9 +59,18 @@ pub(crate) fn read_job(text: &str) -> Job {
 /// `[measurement]` of a machine whose control corrected nothing.
 pub(crate) const UNCORRECTED: &str = "active_while_measuring = \"none\"";
 
-/// A job with `errors.csv`: further keys of `[measurement]`, those of `[compensation]`, and each axis with its travel and
-/// reference, mm, and the keys of its tables.
+/// A job with `errors.csv`, which is measured so.
 pub(crate) fn job_of<A: Display>(
+    measurement: &str,
+    compensation: &str,
+    axes: impl IntoIterator<Item = (A, [f64; 2], f64, String)>,
+) -> String {
+    job_measured(&format!("errors = \"errors.csv\"\n{measurement}"), compensation, axes)
+}
+
+/// A job: keys of `[measurement]`, those of `[compensation]`, and each axis with its travel and reference, mm, and the keys
+/// of its tables.
+pub(crate) fn job_measured<A: Display>(
     measurement: &str,
     compensation: &str,
     axes: impl IntoIterator<Item = (A, [f64; 2], f64, String)>,
@@ -73,7 +82,7 @@ pub(crate) fn job_of<A: Display>(
     };
     let axes: String = axes.into_iter().map(axis).collect();
     format!(
-        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\n{compensation}\n{axes}"
+        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\n{measurement}\n[compensation]\n{compensation}\n{axes}"
     )
 }
 
