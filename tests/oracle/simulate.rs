@@ -1,8 +1,8 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
-use crate::support::diagonals::{Machine, measurement, mm, seeded, volume};
-use crate::support::{self, error_table, inputs, shown};
-use nonius::inputs::error_table::Kind;
+use crate::support::diagonals::{Machine, box_30, measurement, mm, seeded, volume};
+use crate::support::{self, error_table, shown};
+use nonius::inputs::error_table::{self as table, Kind};
 use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::kit::simulate::{
@@ -11,7 +11,7 @@ use nonius::kit::simulate::{
 };
 use nonius::kit::{Inputs, Loaded, generate};
 use nonius::quantity::{
-    Axis, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, Volume,
+    Axis, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis,
 };
 use proptest::prelude::*;
 
@@ -22,50 +22,46 @@ const DUST_UM: f64 = 1e-8;
 /// A table of the generic control is written with six decimals of a millimetre.
 const GENERIC_UM: f64 = 1e-6;
 
-/// The job of a machine, with the program of its run.
-fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) -> String {
+/// Job and error table of a machine, in both directions where it loses motion; `back`: that the program measures on the
+/// way back, too, and whether after an overrun.
+fn inputs(machine: &Machine, back: Option<bool>) -> Inputs {
+    let volume = &machine.volume;
     let axes = Axis::ALL.map(|axis| {
         let low = volume.start[axis].mm();
         let travel = [low, low + volume.size[axis].mm()];
         (axis.key(), travel, low, format!("points = {}", volume.steps + 1))
     });
-    let policy = if directed { "backlash = \"two-tables\"" } else { "" };
+    let (ways, policy) = match machine.lost_um == PerAxis::default() {
+        true => (&[(Direction::Plus, "")][..], ""),
+        false => {
+            (&[(Direction::Plus, "+"), (Direction::Minus, "-")][..], "backlash = \"two-tables\"")
+        }
+    };
     let compensation = format!("controller = \"generic\"\n{policy}");
-    let mut text = support::job_of(support::UNCORRECTED, &compensation, axes);
+    let mut job = support::job_of(support::UNCORRECTED, &compensation, axes);
     let [start, size] = [volume.start, volume.size].map(|places| {
-        let place = |axis: Axis| format!("{} = {:?}", axis.key(), places[axis].mm());
-        Axis::ALL.map(place).join(", ")
+        Axis::ALL.map(|axis| format!("{} = {:?}", axis.key(), places[axis].mm())).join(", ")
     });
-    let order: String = volume.order.iter().map(|axis| axis.letter()).collect();
-    let steps = volume.steps;
-    text += &format!(
-        "[program]\nwhat = \"step-diagonal\"\nstart_mm = {{ {start} }}\nsize_mm = {{ {size} }}\nsteps = {steps}\norder = \"{order}\"\nbidirectional = {both_directions}\n"
+    job += &format!(
+        "[program]\nwhat = \"step-diagonal\"\nstart_mm = {{ {start} }}\nsize_mm = {{ {size} }}\nsteps = {}\norder = \"{}\"\nbidirectional = {}\n",
+        volume.steps,
+        volume.order.map(|axis| axis.letter().to_string()).concat(),
+        back.is_some()
     );
-    match (both_directions, overrun) {
-        (true, true) => text + "overrun_mm = 2.0\n",
-        (true, false) => text + "overrun_mm = 0.0\n",
-        (false, _) => text,
+    if let Some(overrun) = back {
+        job += if overrun { "overrun_mm = 2.0\n" } else { "overrun_mm = 0.0\n" };
     }
-}
-
-/// The error table of a machine; in both directions where it loses motion.
-fn table(machine: &Machine, directed: bool) -> String {
-    let mut text = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    for along in Axis::ALL {
-        for direction in if directed { &["+", "-"][..] } else { &[""] } {
-            for (index, at) in machine.volume.positions(along).iter().enumerate() {
-                let value = |of: Axis| {
-                    let is_back = of == along && *direction == "-";
-                    let lost = if is_back { machine.lost_um[along] } else { 0.0 };
-                    machine.curves[ErrorTerm { of, along }][index] - lost
-                };
-                let [x, y, z] = Axis::ALL.map(value);
-                let (key, mm) = (along.key(), at.mm());
-                text += &format!("{key},{direction},{mm:?},{x:?},{y:?},{z:?}\n");
-            }
+    let mut errors = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    for (along, (way, sign)) in
+        Axis::ALL.into_iter().flat_map(|axis| ways.iter().map(move |way| (axis, way)))
+    {
+        let um = Axis::ALL.map(|of| machine.directed(ErrorTerm { of, along }, *way));
+        for (index, at) in volume.positions(along).iter().enumerate() {
+            let [x, y, z] = um.each_ref().map(|um| um[index]);
+            errors += &format!("{},{sign},{:?},{x:?},{y:?},{z:?}\n", along.key(), at.mm());
         }
     }
-    text
+    support::inputs(&job, &errors)
 }
 
 fn simulate(inputs: &Inputs, loaded: Option<&Loaded<'_>>, wishes: Wishes) -> Simulation {
@@ -95,8 +91,7 @@ proptest! {
         if directed {
             machine.lost_um = PerAxis { x: -8.0, y: 5.0, z: -3.0 };
         }
-        let inputs = inputs(&job(&machine.volume, directed, true, overrun), &table(&machine, directed));
-        let found = simulate(&inputs, None, Wishes::default());
+        let found = simulate(&inputs(&machine, Some(overrun)), None, Wishes::default());
         for run in &found.runs {
             let back = (run.pass == Pass::Reverse).then_some(overrun);
             let wanted = &machine.readings(back)[run.diagonal];
@@ -110,8 +105,7 @@ proptest! {
     }
 
     #[test]
-    fn tables_of_the_machine_leave_nothing(machine in any_machine(), directed: bool) {
-        let mut machine = machine;
+    fn tables_of_the_machine_leave_nothing(mut machine in any_machine(), directed: bool) {
         if directed {
             machine.lost_um = PerAxis { x: -8.0, y: -5.0, z: -3.0 };
         }
@@ -120,9 +114,8 @@ proptest! {
             let step = (machine.volume.step_mm(axis)).round().max(1.0);
             machine.volume.size[axis] = Millimetres::new(step * machine.volume.steps_f64());
         }
-        let job = job(&machine.volume, directed, true, true);
-        let inputs = inputs(&job, &table(&machine, directed));
-        let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
+        let inputs = inputs(&machine, Some(true));
+        let kit = shown(generate(&inputs));
         let loaded = shown(rehearsed(&inputs, &kit.files, None));
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
@@ -134,12 +127,11 @@ proptest! {
 }
 
 fn one_machine() -> Machine {
-    let volume = volume([900.0, 720.0, 720.0], 30);
-    Machine::random(&volume, &mut seeded(7))
+    Machine::random(&box_30(), &mut seeded(7))
 }
 
-fn plain_inputs(machine: &Machine) -> Inputs {
-    inputs(&job(&machine.volume, false, false, true), &table(machine, false))
+fn plain_inputs() -> Inputs {
+    inputs(&one_machine(), None)
 }
 
 fn noisy(runs: u32, seed: u64, both_directions: bool) -> Wishes {
@@ -149,7 +141,7 @@ fn noisy(runs: u32, seed: u64, both_directions: bool) -> Wishes {
 
 #[test]
 fn noise_is_the_same_for_a_seed_and_other_runs_do_not_change_it() {
-    let inputs = plain_inputs(&one_machine());
+    let inputs = plain_inputs();
     let three = simulate(&inputs, None, noisy(3, 5, false));
     assert_eq!(three.runs, simulate(&inputs, None, noisy(3, 5, false)).runs);
     let one = simulate(&inputs, None, noisy(1, 5, true));
@@ -162,7 +154,7 @@ fn noise_is_the_same_for_a_seed_and_other_runs_do_not_change_it() {
 
 #[test]
 fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
-    let inputs = plain_inputs(&one_machine());
+    let inputs = plain_inputs();
     let exact = simulate(&inputs, None, Wishes::default());
     let found = simulate(&inputs, None, noisy(20, 3, false));
     let (mut sum, mut count) = (0.0, 0.0);
@@ -184,17 +176,14 @@ fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
 
 #[test]
 fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
-    let machine = one_machine();
-    let inputs = plain_inputs(&machine);
-    let wishes = noisy(2, 9, true);
+    let (inputs, wishes) = (plain_inputs(), noisy(2, 9, true));
     let rehearsal = Rehearsal::of(&inputs, wishes).unwrap();
     let found = simulate(&inputs, None, wishes);
     let text = write(&found, &rehearsal, &[format!("note: {SIMULATED}: a test")]);
-    let given = measurement(&machine.volume, SetUp::Solve, Frame::XPrimary);
+    let given = measurement(&box_30(), SetUp::Solve, Frame::XPrimary);
     let read = support::readings(&text, &given).unwrap_or_else(|said| panic!("{said}"));
-    let by = |run: &nonius::quantity::Run| (run.diagonal, run.number, run.pass);
     let mut runs = found.runs;
-    runs.sort_by_key(by);
+    runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
     assert_eq!(read.runs, runs);
     let words = format!("{SIMULATED}: a test");
     assert_eq!(read.notes(), [Remark::Simulated { words }.into()]);
@@ -202,9 +191,8 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
 
 #[test]
 fn straight_runs_are_the_cell_ends_of_step_runs() {
-    let inputs = plain_inputs(&one_machine());
+    let (inputs, wishes) = (plain_inputs(), Wishes { straight: true, ..Wishes::default() });
     let step = simulate(&inputs, None, Wishes::default());
-    let wishes = Wishes { straight: true, ..Wishes::default() };
     let straight = simulate(&inputs, None, wishes);
     let rehearsal = Rehearsal::of(&inputs, wishes).unwrap();
     assert_eq!(rehearsal.measurement.kind, PathKind::Straight);
@@ -219,8 +207,7 @@ fn straight_runs_are_the_cell_ends_of_step_runs() {
 
 #[test]
 fn a_change_of_scale_is_the_same_along_every_diagonal() {
-    let machine = one_machine();
-    let inputs = plain_inputs(&machine);
+    let inputs = plain_inputs();
     let rehearsal = Rehearsal::of(&inputs, Wishes::default()).unwrap();
     let ends = |scale: f64| {
         let warm = shown(SimulatedMachine::new(&inputs, None, scale));
@@ -237,24 +224,20 @@ fn a_change_of_scale_is_the_same_along_every_diagonal() {
 fn the_error_table_holds_what_is_left_at_every_measured_position() {
     let mut machine = one_machine();
     machine.lost_um.y = -6.0;
-    let text = job(&machine.volume, true, false, true);
-    let inputs = inputs(&text, &table(&machine, true));
+    let inputs = inputs(&machine, None);
     let plain = shown(SimulatedMachine::new(&inputs, None, 0.0));
     let note = format!("note: {SIMULATED}: a test");
     let left = single_axes(&plain, 1, Noise::default(), vec![note.clone()]);
-    let csv = nonius::inputs::error_table::write(&left);
-    let found = error_table(&csv);
+    let found = error_table(&table::write(&left));
     assert_eq!(found.remarks.lines(), [note]);
     for along in Axis::ALL {
         for series in found.series(along) {
-            let is_back = series.direction == Some(Direction::Minus);
             assert_eq!(series.positions, machine.volume.positions(along));
             for of in Axis::ALL {
                 let term = ErrorTerm { of, along };
-                let lost = if is_back && of == along { machine.lost_um[along] } else { 0.0 };
-                let left = &series.values[&Kind::Deviation(of)];
-                for (found, wanted) in left.iter().zip(&machine.curves[term]) {
-                    assert!((found - wanted + lost).abs() < 2e-9, "{term}");
+                let wanted = machine.directed(term, series.direction.unwrap());
+                for (found, wanted) in series.values[&Kind::Deviation(of)].iter().zip(wanted) {
+                    assert!((found - wanted).abs() < 2e-9, "{term}");
                 }
             }
         }
