@@ -98,7 +98,6 @@ fn the_real_control_does_with_curves_what_the_profile_says() {
     }
 }
 
-/// Known errors → kit → control → every servo cycle and the machine.
 #[test]
 fn the_real_control_does_what_the_emulator_says() {
     let Some(version) = control::installed() else { return };
@@ -118,7 +117,6 @@ fn the_real_control_does_what_the_emulator_says() {
     }
 }
 
-/// Measured, compensated and measured again, all on the control.
 #[test]
 fn the_real_control_leads_a_whole_visit() {
     if all_is_asked_for() && control::installed().is_some() {

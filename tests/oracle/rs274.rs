@@ -135,7 +135,6 @@ fn between_percents(program: &str, inch: bool) -> String {
     format!("{unit}\n{}\nM2\n", lines.join("\n"))
 }
 
-/// The box of the samples.
 fn box_of(rows: &str) -> [[f64; 2]; 3] {
     let mut reach = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
     for row in rows.lines().skip(1) {
@@ -160,7 +159,6 @@ fn compare(ours: &Walked, theirs: &Walked) -> Result<(), String> {
     Err(format!("length by {length:.4} mm, box by {box_mm:.4} mm\n{both}"))
 }
 
-/// Unit and language of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unit {
     Mm,
@@ -168,7 +166,6 @@ enum Unit {
     Siemens,
 }
 
-/// What came of the comparison of a program.
 fn outcome(bench: &Bench, both: (&[u8], &str), unit: Unit, keys: &str) -> Result<(), String> {
     let (inch, language) = match unit {
         Unit::Mm => ("mm", "iso"),
@@ -181,7 +178,6 @@ fn outcome(bench: &Bench, both: (&[u8], &str), unit: Unit, keys: &str) -> Result
     compare(&ours, &theirs.map_err(|said| format!("LinuxCNC: {said}"))?)
 }
 
-/// Real programs, each with what is expected of it.
 #[test]
 fn real_programs_go_where_linuxcnc_goes() {
     let Some(directory) = shared("real/gcode") else { return };

@@ -1,6 +1,6 @@
 //! The act that *what decides* puts first, carried out: whole visits by the program itself, each to a machine of its
 //! own, with a limit near what they leave undecided. Where the truth lies well on one side of it, a person does what
-//! stands first and asks for the verdict again. `NONIUS_SIMULATIONS=all` makes all visits (docs/accuracy.md §8).
+//! stands first and asks for the verdict again.
 use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
 use crate::support::{

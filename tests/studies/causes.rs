@@ -1,11 +1,7 @@
-//! Faults put into the control, the machine measured again, and what `verify --after` names.
-//!
-//! The faults act here on the emulated corrections of the bytes that were written, with code of
-//! this test; the program sees nothing but the job, the kit and the second measurement. Asked is
-//! that the true cause is in the named set, that sets are small where the data allow it, and that
-//! a second measurement without fault names none. Plain `cargo test` injects a sixth of the
-//! faults into each machine, every fault into one at least; `NONIUS_SIMULATIONS=twentieth` or `all`
-//! injects all and compares the table of docs/accuracy.md, with `NONIUS_UPDATE=1` it writes it.
+//! Faults put into the control, the machine measured again, and what `verify --after` names. They act on the emulated
+//! corrections of the bytes that were written, with code of this test; the program sees nothing but the job, the kit and the
+//! second measurement. Asked is that the true cause is in the named set, that sets are small where the data allow it, and that
+//! a second measurement without fault names none. Plain `cargo test` injects a sixth of the faults into each machine.
 use crate::support::{
     Lines, Random, UNCORRECTED, Visit, generate, in_parallel, job_measured, loaded, published,
     response, short_or, term,
@@ -55,7 +51,6 @@ const NO_FAULT: Fault = Fault {
     warmer_k: [0.0; 3],
 };
 
-/// How the machine is measured the second time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Second {
     Table,
@@ -112,10 +107,8 @@ const RIGS: [Plan; 7] = [
     },
 ];
 
-/// Errors by term and direction.
 type Truth = BTreeMap<(ErrorTerm, &'static str), Lines>;
 
-/// A machine with its kit.
 struct Rig {
     plan: &'static Plan,
     inputs: Inputs,
@@ -382,7 +375,6 @@ fn renamed(term: ErrorTerm, axes: [Axis; 3]) -> ErrorTerm {
     ErrorTerm { of: axes[term.of as usize], along: axes[term.along as usize] }
 }
 
-/// One injected fault and what was named.
 struct Outcome {
     plan: &'static Plan,
     fault: Fault,

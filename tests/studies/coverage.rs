@@ -1,5 +1,4 @@
-//! Whether U = k·u holds the true value as often as it says, on simulated machines. Plain `cargo
-//! test` simulates 16 of them; `NONIUS_SIMULATIONS=twentieth` or `all` 1600.
+//! Whether U = k·u holds the true value as often as it says, on simulated machines.
 use crate::support::diagonals::{
     self as simulated, Machine, SIGMA_UM, Share, U_LINE_UM_PER_M, box_of, curve, float, mean,
     noisy_lines, normal, runs, seeded, squareness_off, stretched, visit_runs, volume, with_noise,
@@ -25,12 +24,10 @@ fn seeds() -> std::ops::Range<u64> {
     0..machines() as u64
 }
 
-/// By what was estimated.
 #[derive(Default)]
 pub(super) struct Tally(BTreeMap<String, Share>);
 
 impl Tally {
-    /// What has names that begin so.
     pub(super) fn begun(&self, with: &str) -> Vec<Share> {
         self.0.iter().filter(|(what, _)| what.starts_with(with)).map(|(_, of)| *of).collect()
     }
@@ -61,7 +58,6 @@ impl Tally {
     }
 }
 
-/// How the machines are measured.
 #[derive(Clone, Copy, Debug)]
 struct Way<'a> {
     steps: usize,
@@ -107,7 +103,6 @@ fn again(
     separate(&simulated::campaign(&measurement, lines), &all)
 }
 
-/// One curve of a term against the truth.
 fn count_curve(tally: &mut Tally, name: &str, truth: &[f64], found: &SeparatedError) {
     let last = truth.len() - 1;
     for (index, truth) in truth.iter().enumerate() {

@@ -1,10 +1,6 @@
-//! Whether U holds the true value where angles and beam stay within their stated bounds, and where
-//! nothing is stated because nothing disturbs. Exact geometry of the test's own: rigid axes with
-//! levers, a mirror that turns with the tool, a beam that misses the mirror's normal.
-//!
-//! The truth is that of the lines through the middle of the box. A hundredth of the runs by default;
-//! `NONIUS_SIMULATIONS=all cargo test --release --test studies coverage_bounds` makes all of them and
-//! compares the table of docs/accuracy.md §8, with `NONIUS_UPDATE=1` it writes it.
+//! Whether U holds the true value where angles and beam stay within their stated bounds, and where nothing is stated because
+//! nothing disturbs. Exact geometry of the test's own: rigid axes with levers, a mirror that turns with the tool, a beam that
+//! misses the mirror's normal. The truth is that of the lines through the middle of the box.
 use super::coverage::{LOST_UM, Tally, count};
 use crate::support::diagonals::{
     self as simulated, Machine, SIGMA_UM, Share, U_LINE_UM_PER_M, box_of, curve, dot, exact, float,
@@ -168,7 +164,6 @@ impl Shape {
     }
 }
 
-/// One row of the table.
 #[derive(Clone, Copy)]
 struct Row {
     name: &'static str,

@@ -1,8 +1,5 @@
 //! Diagonals under each other's name and steps in another order: what `separate` finds of them, how
 //! often it accuses sound readings, and whether it says what it would hardly find.
-//!
-//! A hundredth of the simulations runs by default, all of them with `NONIUS_SIMULATIONS=all cargo test
-//! --test studies exchanged`; with `NONIUS_UPDATE=1` as well it writes the table of docs/accuracy.md.
 use crate::support::diagonals::{
     Machine, SIGMA_UM, U_LINE_UM_PER_M, box_of, float, noisy_lines, normal, seeded, solved,
     visit_runs,
@@ -17,7 +14,6 @@ const MACHINES: u64 = 400;
 /// Sound readings of machines of each waviness in the whole run.
 const EVEN_MACHINES: u64 = 1000;
 
-/// How a machine is measured.
 #[derive(Clone, Copy)]
 struct Way {
     name: &'static str,
@@ -71,7 +67,6 @@ impl Slip {
     }
 }
 
-/// How far the curves of a machine wave.
 #[derive(Clone, Copy)]
 struct Wavy {
     /// Times `Machine::random`.
@@ -118,7 +113,6 @@ fn hardly(found: &Separation) -> Option<String> {
     labels.find(|label| label.starts_with("these readings cannot detect"))
 }
 
-/// Whether that sentence holds a slip.
 fn is_warned(found: &Separation, slip: &Slip) -> bool {
     hardly(found)
         .is_some_and(|said| said.contains("diagonals were swapped") || said.contains(&slip.words))
@@ -128,7 +122,6 @@ fn accuses(found: &Separation) -> Option<String> {
     words(&found.doubts).into_iter().find(|doubt| doubt.starts_with("as if"))
 }
 
-/// What became of a slip.
 struct Slipped {
     kind: usize,
     /// Whether its power is at least 95 %.
@@ -139,7 +132,6 @@ struct Slipped {
     is_warned: bool,
 }
 
-/// What became of all machines measured in one way.
 #[derive(Default)]
 struct Outcome {
     right: usize,
@@ -213,7 +205,6 @@ fn told(outcomes: &[(Way, Outcome)], even: &[(Wavy, usize)], machines: u64) -> S
     )
 }
 
-/// How many of so many machines with smaller waves are accused.
 fn even_machines(way: Way, machines: u64) -> Vec<(Wavy, usize)> {
     let accused = |wavy: Wavy| {
         let found = (0..machines).map(|seed| measured((seed, 0), way, wavy, &Slip::none()));

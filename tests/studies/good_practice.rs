@@ -1,9 +1,6 @@
-//! Good practice: whole visits to machines whose truth is known, judged by the program and, beside it, by a dense
-//! estimator that knows nothing of the program.
-//!
-//! Both get the same readings. The estimator solves all nine errors and mirrors at once by least squares, draws
-//! what is stated, and judges by the same rule (docs/method.md §23): it is what the program could reach. One visit by
-//! default; `NONIUS_SIMULATIONS=all` makes all of them and the table of docs/accuracy.md §8.
+//! Good practice: whole visits to machines whose truth is known, judged by the program and, beside it, by a dense estimator
+//! that knows nothing of it: from the same readings it solves all nine errors and mirrors at once by least squares, draws
+//! what is stated, and judges by the same rule (docs/method.md §23). It is what the program could reach.
 use super::causes::job_text;
 use super::coverage_bounds::{Angle, Rigid, Shape, uniform, unit};
 use crate::support::diagonals::{Machine, box_of, dot, float, normal, seeded};
@@ -31,7 +28,6 @@ const DRAWS: usize = 1000;
 /// Of 40 visits under a limit (µm): how many kits have to pass at least, and how many second measurements.
 type Limit = (f64, [Option<u64>; 2]);
 
-/// One row of the table.
 struct Row {
     name: &'static str,
     runs: u32,
@@ -233,7 +229,6 @@ fn place(term: ErrorTerm, node: usize) -> usize {
     (3 * (term.along as usize) + term.of as usize) * STEPS + node - 1
 }
 
-/// All nine errors of a machine in one vector, µm.
 fn vector(machine: &Machine) -> DVector<f64> {
     let mut all = DVector::zeros(9 * STEPS);
     for term in ErrorTerm::ALL {

@@ -1,4 +1,4 @@
-//! Seeded simulations: what writes the tables of docs/accuracy.md.
+//! Seeded simulations: what writes the tables of docs/accuracy.md. How many are run: `NONIUS_SIMULATIONS` (CONTRIBUTING.md).
 #![expect(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,6 +1,5 @@
 //! `nonius plan`: its U against simulated visits, each with a machine, mirrors, noise and lasers of its own, and against
-//! the U of the readings; what its page says. 25 visits of each kind by default, since fewer do not tell the U of the
-//! readings; with `NONIUS_SIMULATIONS=all` all of them, and the table of docs/accuracy.md §8.
+//! the U of the readings; what its page says.
 use crate::support::diagonals::{
     self as simulated, Machine, Share, curve, float, normal, seeded, squareness_error, stretched,
     visit_runs, volume,
@@ -27,7 +26,6 @@ const SEED: u64 = 19;
 const VISITS: u64 = 500;
 const TIMES: SetUpTimes = SetUpTimes { diagonal_min: 30.0, linear_min: 20.0 };
 
-/// One row of the table.
 struct Row {
     name: &'static str,
     size: [f64; 3],

@@ -1,8 +1,5 @@
-//! Right kits: machines that were measured with noise, compensated without a mistake and measured
-//! again. How often the forecast holds, which verdicts they get, and how often something is said
-//! against them that is not so. The tables stand in docs/accuracy.md §11;
-//! `NONIUS_SIMULATIONS=all NONIUS_UPDATE=1 cargo test --release --test studies right_kits` writes them;
-//! without it four of each kind are run.
+//! Right kits: machines that were measured with noise, compensated without a mistake and measured again. How often the
+//! forecast holds, which verdicts they get, and how often something is said against them that is not so.
 use super::causes::{Travels, error_csv, gauss, job_text};
 use crate::support::{
     Random, Visit, in_parallel, is_held, is_whole, markdown, may_be, number, published, share,
@@ -96,7 +93,6 @@ fn diagonals(readings: &str, linear: &str, active: &str, u: &str) -> String {
     text
 }
 
-/// What became of a right kit.
 struct Outcome {
     /// Verdict of the forecast, and of the second measurement.
     verdicts: [String; 2],
@@ -118,7 +114,6 @@ fn stretched(mut rows: Vec<Row>, ppm: f64) -> Vec<Row> {
     rows
 }
 
-/// What the kit leaves of the errors.
 fn left_by_kit(visit: &Visit) -> Vec<Row> {
     visit.run("simulate machine.toml --tables kit --errors -o left.csv").answers();
     read_table(&visit.read("left.csv"))

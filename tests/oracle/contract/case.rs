@@ -19,7 +19,6 @@ pub(crate) const NEAR_UM: f64 = 1e-5;
 /// Steepest slope that the generator makes, µm/mm.
 pub(crate) const STEEPEST_UM_PER_MM: f64 = 20.0;
 
-/// A kit under test, with the control that loaded its bytes.
 pub(crate) struct Case<'a> {
     pub(crate) machine: &'a Machine,
     pub(crate) profile: &'a Profile,
@@ -129,7 +128,6 @@ impl Case<'_> {
         (bends, jumps)
     }
 
-    /// Where to look along an axis.
     pub(crate) fn places(&self, term: &Term, held: &Held, from: f64, to: f64) -> Vec<f64> {
         let dense = DENSE[usize::from(self.machine.kind != Interpolation::Linear)];
         let (mut places, jumps) = self.bends_and_jumps(term, held);

@@ -81,12 +81,10 @@ impl<'a> OneWay<'a> {
         format!("{}{} on {}", self.term.term, self.direction, self.output)
     }
 
-    /// The deviation that the table has to cancel.
     fn target(&self, x: f64) -> f64 {
         self.term.target(self.case.machine, self.two_tables, self.direction, x)
     }
 
-    /// First and last point of the planned grid.
     fn range(&self) -> (f64, f64) {
         let (first, last) = self.planned.grid.range();
         (first.mm(), last.mm())

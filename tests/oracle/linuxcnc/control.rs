@@ -8,7 +8,6 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// Name of a joint in the part program.
 pub(crate) const LETTERS: [&str; 3] = ["X", "Y", "Z"];
 
 /// Speed of the joints, mm/s.
@@ -23,7 +22,6 @@ const LIMIT: Duration = Duration::from_secs(300);
 /// The unprivileged user that the control runs as where the test is root: it refuses to run as root.
 const NOBODY: &str = "65534";
 
-/// What the control is started with.
 #[derive(Clone, Default)]
 pub(crate) struct Setup<'a> {
     /// `mm` or `inch`.
@@ -40,7 +38,6 @@ pub(crate) struct Setup<'a> {
     pub(crate) hal: String,
     /// How far the joints are jogged before homing.
     pub(crate) jog: Option<f64>,
-    /// The part programs, one after the other.
     pub(crate) programs: Vec<String>,
 }
 
@@ -61,16 +58,13 @@ pub(crate) struct Joint {
     pub(crate) added: f64,
 }
 
-/// All joints in one servo cycle.
 pub(crate) type Cycle = [Joint; 3];
 
-/// What was seen of one run.
 pub(crate) struct Run {
     /// Every servo cycle of jogging before homing.
     pub(crate) jog: Vec<Cycle>,
     /// Every servo cycle of each part program, in order.
     pub(crate) cycles: Vec<Vec<Cycle>>,
-    /// What the control told its operator.
     pub(crate) messages: String,
 }
 

@@ -10,7 +10,6 @@ const PRINTED_MM: f64 = 1.5e-6;
 const THERE_AND_BACK: &str = "G21 G90 G61 F12000\nG1 X-20 Y-20 Z-20\nG4 P0.2\nG1 X25 Y25 Z25\nG4 P0.2\n\
     G1 X160 Y160 Z160\nG4 P0.2\nG1 X25 Y25 Z25\nG4 P0.2\nG1 X-20 Y-20 Z-20\nG4 P0.2\nG1 X0 Y0 Z0\nM2\n";
 
-/// A control without tables.
 fn bare(program: &str) -> Setup<'static> {
     Setup {
         unit: "mm",
@@ -51,9 +50,8 @@ fn close(got: [f64; 5], expected: [f64; 5]) {
     assert!(got.iter().zip(&expected).all(near), "{got:?}, not {expected:?}");
 }
 
-/// Type 1 is what is added, type 0 the position reached (nominal + error, so its negative is added), no type means 0; the second
-/// column upwards, the third downwards; straight between the rows, the end value
-/// outside. What follows the third number is ignored, tabs and CR LF are spaces.
+/// Type 1 is what is added, type 0 (or none) the position reached (nominal + error); the second column upwards, the third
+/// downwards; straight between the rows, the end value outside. What follows is ignored, tabs and CR LF are spaces.
 pub(crate) fn types_directions_and_ends() {
     let type_1 = "0 0.010 0.014 ; text\r\n50\t0.020 0.024 7 8\r\n100 -0.030 -0.026\n";
     let type_0 = "0 -0.010 -0.014\n50 49.980 49.976\n100 100.030 100.026\n";
@@ -86,9 +84,8 @@ pub(crate) fn backlash_and_blank_lines() {
     assert_eq!(messages, "");
 }
 
-/// 256 rows are kept, the others dropped with a message; a row that does not ascend is dropped with a message. A step between a quarter
-/// and a half of acceleration × cycle² (here 0.25 to 0.5 µm) is not made while the table stays as it is: the ramp
-/// would brake before it begins.
+/// Rows after the 256th, and one that does not ascend, are dropped with a message. A step between a quarter and a half of
+/// acceleration × cycle² (here 0.25 to 0.5 µm) is not made while the table stays: the ramp would brake before it begins.
 pub(crate) fn rows_order_and_small_steps() {
     let rows: String = (0..257)
         .map(|n| format!("{} {v} {v}\n", f64::from(n) * 0.5, v = f64::from(n) * 1e-4))

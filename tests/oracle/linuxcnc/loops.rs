@@ -19,7 +19,6 @@ pub(crate) const ACCELERATION_MM: f64 = 5000.0;
 /// Longest ramp of a reversal, servo cycles.
 const RAMP: usize = 100;
 
-/// What the loop is closed around.
 pub(crate) struct Case {
     pub(crate) machine: Machine,
     pub(crate) controller: &'static str,
@@ -30,7 +29,6 @@ pub(crate) struct Case {
     pub(crate) unit: &'static str,
 }
 
-/// What one machine showed.
 #[derive(Default)]
 pub(crate) struct Seen {
     /// Servo cycles in which a joint moved, all joints together.
@@ -49,7 +47,6 @@ impl Case {
         if self.unit == "inch" { 25.4 } else { 1.0 }
     }
 
-    /// Whether straightness and squareness have tables too.
     fn has_cross_tables(&self) -> bool {
         self.controller == "linuxcnc-hal"
     }
@@ -59,7 +56,6 @@ impl Case {
         0.5e-6 * self.unit_mm() * 1000.0
     }
 
-    /// Once around.
     pub(crate) fn close(&self) -> Seen {
         let (inputs, kit) = generate(&self.job(), &self.error_table());
         let cycles = self.driven(&kit);
@@ -85,7 +81,6 @@ impl Case {
         self.machine.error_table(sections * steps + 1)
     }
 
-    /// The job of the machine.
     pub(crate) fn job(&self) -> String {
         let own = "terms = [\"EXX\", \"EYY\", \"EZZ\"]\n";
         let job = format!(
@@ -158,7 +153,6 @@ pub(crate) fn joints(term: &str) -> [usize; 2] {
     [joint(letters[1]).unwrap(), joint(letters[2]).unwrap()]
 }
 
-/// The lines of the sections of the joints.
 pub(crate) fn sections(fragment: &str) -> [String; 3] {
     let section = |joint: usize| -> String {
         let head = format!("[JOINT_{joint}]");
@@ -319,7 +313,6 @@ impl Joint {
         (self.drive - self.command - self.added) * 1000.0
     }
 
-    /// Whether it is on the ramp after a reversal.
     fn is_ramped(self) -> bool {
         self.ramp_um() > 0.000_1
     }

@@ -16,7 +16,6 @@ pub(crate) enum Tables<'a> {
 }
 
 impl Tables<'_> {
-    /// The lines of the joints and the tables.
     fn files(self, visit: &Visit) -> ([String; 3], Vec<(String, Vec<u8>)>) {
         let (kit, prefix, turned) = match self {
             Tables::None => return Default::default(),
@@ -53,7 +52,6 @@ fn with_signs_turned(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// The control with these tables, led through part programs.
 pub(crate) fn drive(
     visit: &Visit,
     machine: &Machine,
@@ -65,7 +63,6 @@ pub(crate) fn drive(
     run(&Setup { unit, travel, acceleration_mm, joints, files, programs, ..Setup::default() })
 }
 
-/// A sign proof of a manifest.
 struct Proof<'a> {
     document: &'a Value,
     /// The joint that moves, and the one that is looked at.

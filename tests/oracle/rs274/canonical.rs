@@ -20,7 +20,6 @@ struct Canon {
     walked: Walked,
 }
 
-/// Executes the calls.
 pub(crate) fn walked(calls: &str) -> Walked {
     let walked = Walked { length_mm: 0.0, reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3] };
     let (plane, zeros) = ([0, 1, 2], [[0.0; 3]; 3]);

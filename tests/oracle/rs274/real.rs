@@ -2,12 +2,10 @@
 
 use super::Unit::{self, Inch, Mm, Siemens};
 
-/// What is expected of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Expected {
     /// Runs, and goes where LinuxCNC goes.
     Same,
-    /// Refused with these words.
     Refused(&'static str),
     /// Runs; the box is apart by this, for a reason that docs/volume.md §10 states.
     Apart(&'static str),
@@ -26,7 +24,6 @@ pub(crate) const DIALECT: &[(&str, &str)] = &[
     ("H1(MAKE", "(MAKE"),    // H without G43
 ];
 
-/// The unit or language of a program, by its collection.
 pub(crate) fn unit(name: &str) -> Unit {
     match name.split("__").next() {
         Some("CNC_Training" | "Hass-CNC-Programs" | "cnc-sprayer") => Inch,
@@ -59,7 +56,6 @@ pub(crate) fn expected(name: &str) -> Expected {
     own.map_or(Same, |(_, expected)| *expected)
 }
 
-/// Whether that was found.
 pub(crate) fn is_so(expected: Expected, found: &Result<(), String>) -> bool {
     let says = |begin: &str, words: &str| {
         found.as_ref().is_err_and(|said| said.starts_with(begin) && said.contains(words))
