@@ -69,15 +69,16 @@ impl Drop for Shown<'_> {
     }
 }
 
-/// What a machine had to show: compensated terms, tables large enough to turn, and features that
-/// only the kit tells.
+/// What machines had to show: compensated terms, tables large enough to turn, and how often each feature.
+#[derive(Default)]
 struct Seen {
     compensated: usize,
     doubled: usize,
-    features: Vec<&'static str>,
+    features: BTreeMap<&'static str, usize>,
 }
 
-fn features_of(case: &Case<'_>) -> Vec<&'static str> {
+/// Features that only the kit tells.
+fn features_of(case: &Case<'_>) -> impl Iterator<Item = &'static str> {
     let tables = &case.kit.plan.tables;
     let unit = |term: ErrorTerm| case.machine.axis(term.of).unit_um;
     let mut placements = case.kit.compiled.placements.iter();
@@ -87,24 +88,21 @@ fn features_of(case: &Case<'_>) -> Vec<&'static str> {
         (case.kit.plan.backlash_um.iter().any(|(_, b)| b.is_some()), "backlash parameter"),
         (placements.any(|p| p.count_um > 1.5 * unit(p.term).unwrap_or(1e9)), "magnified"),
     ];
-    all.into_iter().filter_map(|(there, name)| there.then_some(name)).collect()
+    all.into_iter().filter_map(|(there, name)| there.then_some(name))
 }
 
-fn check(profile: &Profile, machine: &Machine) -> Seen {
+fn check(profile: &Profile, machine: &Machine, seen: &mut Seen) {
     let _shown = Shown(machine, profile);
     let (inputs, kit) = support::generate(&machine.job, &machine.csv);
     let (tables, control) = (loaded(profile, &kit), control(profile, &kit));
     let turned = support::control(&with_signs_turned(profile), &kit);
-    let (inputs, kit, control, tables) = (&inputs, &kit, control.as_ref(), &tables);
-    let case = Case { machine, profile, inputs, kit, control, tables };
-    assert_eq!(case.inputs.model.measured().count(), machine.terms.len());
-    let (mut doubled, mut compensated) = (0, 0);
+    let case = Case { machine, profile, kit: &kit, control: control.as_ref(), tables: &tables };
+    assert_eq!(inputs.model.measured().count(), machine.terms.len());
     for term in &machine.terms {
-        let forecast = kit.forecast.terms.iter().find(|f| f.term == term.term).unwrap();
         if case.is_compensated(term.term) {
-            compensated += 1;
+            seen.compensated += 1;
             for pair in machine.pairs(term.term) {
-                doubled += cancels(&case, term, pair, turned.as_ref());
+                seen.doubled += cancels(&case, term, pair, turned.as_ref());
             }
             gantry_is_equal(&case, term.term);
         } else {
@@ -112,35 +110,31 @@ fn check(profile: &Profile, machine: &Machine) -> Seen {
             assert!(is_listed, "{} is not listed", term.term);
             has_no_effect(&case, term.term);
         }
-        forecast_holds(&case, term, forecast);
+        let forecast = kit.forecast.terms.iter().find(|f| f.term == term.term);
+        forecast_holds(&case, term, forecast.unwrap());
     }
     for term in ErrorTerm::ALL {
         if !machine.terms.iter().any(|t| t.term == term) {
             has_no_effect(&case, term);
         }
     }
-    if let Tables::Fanuc(memory) = tables {
+    if let Tables::Fanuc(memory) = &tables {
         numbers_are_legal(&case, memory);
     }
     diagonals_hold(&case);
-    Seen { compensated, doubled, features: features_of(&case) }
+    for feature in machine.features.iter().copied().chain(features_of(&case)) {
+        *seen.features.entry(feature).or_insert(0) += 1;
+    }
 }
 
 fn contract_of(id: &str) {
     let profile = builtin::profile(id).unwrap();
-    let (mut compensated, mut doubled) = (0, 0);
-    let (seeds, mut features) = (seeds(), BTreeMap::new());
+    let (seeds, mut seen) = (seeds(), Seen::default());
     for seed in &seeds {
-        let machine = machine(&profile, *seed);
-        let seen = check(&profile, &machine);
-        for feature in machine.features.iter().chain(&seen.features) {
-            *features.entry(*feature).or_insert(0) += 1;
-        }
-        compensated += seen.compensated;
-        doubled += seen.doubled;
+        check(&profile, &machine(&profile, *seed), &mut seen);
     }
     // The test must have had something to say; few machines seldom show what is rare.
-    let machines = seeds.len();
+    let (Seen { compensated, doubled, features }, machines) = (seen, seeds.len());
     let (enough, often) = if machines == 72 { (machines / 2, 3) } else { (machines / 3, 1) };
     assert!(compensated > 2 * machines, "{id}: only {compensated} terms");
     // Few where a count is 1 µm and no table follows another axis; the larger a count, the fewer are turned by more.

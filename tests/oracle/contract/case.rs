@@ -5,7 +5,7 @@ use crate::support::{has_two_directions, is_generic};
 use nonius::control::controller::{Dialect, Profile, StraightnessForm};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
-use nonius::kit::{Inputs, Kit};
+use nonius::kit::Kit;
 use nonius::quantity::{Direction, ErrorTerm, Interpolation, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::write::findings::TableFinding;
@@ -22,7 +22,6 @@ pub(crate) const STEEPEST_UM_PER_MM: f64 = 20.0;
 pub(crate) struct Case<'a> {
     pub(crate) machine: &'a Machine,
     pub(crate) profile: &'a Profile,
-    pub(crate) inputs: &'a Inputs,
     pub(crate) kit: &'a Kit,
     pub(crate) control: &'a dyn Emulator,
     pub(crate) tables: &'a Tables,

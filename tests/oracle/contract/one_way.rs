@@ -8,6 +8,7 @@ use nonius::quantity::{Direction, Interpolation};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::write::compensation::Placement;
 use nonius::write::plan::PlannedTable;
+use std::fmt::Arguments;
 
 /// Every claim on what one term gets, in both directions; of how many tables the sign was turned.
 pub(crate) fn cancels(
@@ -77,8 +78,15 @@ impl<'a> OneWay<'a> {
         }
     }
 
-    fn name(&self) -> String {
-        format!("{}{} on {}", self.term.term, self.direction, self.output)
+    /// Something lies this near.
+    #[track_caller]
+    fn near(&self, what: Arguments<'_>, off: f64, room: f64) {
+        let OneWay { term, direction, output, .. } = self;
+        assert!(
+            off.abs() <= room,
+            "{}{direction} on {output}: {what}: off by {off}, allowed {room}",
+            term.term
+        );
     }
 
     fn target(&self, x: f64) -> f64 {
@@ -115,15 +123,17 @@ impl<'a> OneWay<'a> {
 
     /// The curves of a HAL file add up to the table.
     fn adds_up(&self) -> bool {
-        let linuxcnc = matches!(self.case.profile.dialect, Dialect::Linuxcnc(_));
-        linuxcnc && self.term.term.is_cross()
+        self.is_of_linuxcnc() && self.term.term.is_cross()
+    }
+
+    fn is_of_linuxcnc(&self) -> bool {
+        matches!(self.case.profile.dialect, Dialect::Linuxcnc(_))
     }
 
     /// LinuxCNC holds a value of a COMP_FILE as a C float.
     fn float_um(&self) -> f64 {
-        let linuxcnc = matches!(self.case.profile.dialect, Dialect::Linuxcnc(_));
-        let is_float = linuxcnc && !self.adds_up();
         let largest = self.held.um.iter().fold(0.0_f64, |most, um| most.max(um.abs()));
+        let is_float = self.is_of_linuxcnc() && !self.adds_up();
         if is_float { largest * f64::from(f32::EPSILON) } else { 0.0 }
     }
 
@@ -145,19 +155,17 @@ impl<'a> OneWay<'a> {
     fn count_is_as_printed(&self) {
         let count = self.case.count_um(self.term.term, self.output);
         let printed = self.placement.count_um;
-        assert!((printed - count).abs() < 1e-12, "{}: count {printed} ≠ {count}", self.name());
+        self.near(format_args!("count {printed} ≠ {count}"), printed - count, 5e-13);
     }
 
     /// Nodes lie on the grid anchored on the reference, and every point of it is a node.
     fn nodes_lie_on_the_grid(&self) {
-        let half_digit = self.case.half_position_digit();
+        let room = self.case.half_position_digit() + 1e-9;
         for (x, exact) in self.held.mm.iter().zip(self.anchored()) {
-            let off = (x - exact).abs();
-            assert!(off <= half_digit + 1e-9, "{}: node {x} is not at {exact}", self.name());
+            self.near(format_args!("node {x} is not at {exact}"), x - exact, room);
         }
         let nodes = self.held.mm.iter().filter(|x| self.is_on_grid(**x));
-        let (name, all) = (self.name(), &self.held.mm);
-        assert_eq!(nodes.count(), self.planned.grid.count(), "{name}: nodes {all:?}");
+        assert_eq!(nodes.count(), self.planned.grid.count(), "nodes {:?}", self.held.mm);
     }
 
     /// They cover the travel, but for the rounding of the written spacing.
@@ -179,9 +187,8 @@ impl<'a> OneWay<'a> {
         let bound = self.half_um() + DUST_UM + self.place_um();
         let nodes = self.held.mm.iter().zip(&self.held.um).zip(self.wanted());
         for ((x, um), wanted) in nodes.filter(|((x, _), _)| self.is_on_grid(**x)) {
-            let left = wanted + um + constant;
-            let what = format!("at {x}: wanted {wanted}, held {um}, left {left}, bound {bound}");
-            assert!(left.abs() <= bound, "{}: {what}", self.name());
+            let what = format_args!("at {x}: wanted {wanted}, held {um}");
+            self.near(what, wanted + um + constant, bound);
         }
     }
 
@@ -198,13 +205,8 @@ impl<'a> OneWay<'a> {
             worst_grid = worst_grid.max(own);
             let jump = self.case.jump_um(self.term, &self.held, x);
             let correction = um_at(&self.response, x) - parameter;
-            let left = target + correction;
-            let bound = half + own + jump + place_um + DUST_UM;
-            assert!(
-                left.abs() <= bound,
-                "{}: at {x}: deviation {target}, correction {correction}, left {left}, bound {bound} = {half} + {own} + {jump}",
-                self.name()
-            );
+            let what = format_args!("at {x}: deviation {target}, correction {correction}");
+            self.near(what, target + correction, half + own + jump + place_um + DUST_UM);
         }
         self.grid_residual_is_as_printed(worst_grid);
     }
@@ -212,34 +214,31 @@ impl<'a> OneWay<'a> {
     fn grid_residual_is_as_printed(&self, seen: f64) {
         let printed = self.placement.grid_residual_um;
         let room = DUST_UM + self.place_um();
-        let near = match self.case.machine.kind {
+        let above = match self.case.machine.kind {
             Interpolation::Linear => room,
             _ => 0.02 * printed + 0.01,
         };
-        let is_near = (seen - room..=seen + near).contains(&printed);
-        assert!(is_near, "{}: grid residual {printed}, seen {seen}", self.name());
+        let what = format_args!("grid residual {printed}, seen {seen}");
+        self.near(what, printed - seen, if printed < seen { room } else { above });
     }
 
     /// Zero at the reference; the other direction carries the reversal.
     fn reference_is_zero(&self) {
-        let (place_um, name, reference) = (self.place_um(), self.name(), self.axis.reference);
+        let (place_um, reference) = (self.place_um(), self.axis.reference);
         let at_reference = um_at(&self.response, reference);
         let mut placed = self.case.kit.compiled.placements.iter();
-        let has_two = placed.any(|p| p.term == self.term.term && p.direction.is_some());
         let carried = self.term.reversal_in_table(self.case.machine, self.direction);
-        let has_two = has_two || carried.abs() > 0.0;
+        let has_two = carried.abs() > 0.0
+            || placed.any(|p| p.term == self.term.term && p.direction.is_some());
+        let what = format_args!("at the reference");
         if self.direction == self.term.homing || !(has_two || self.has_parameter()) {
             let node = self.held.um[self.held.node_at(reference)];
-            let dust = if self.adds_up() { DUST_UM } else { 0.0 };
-            let constant = self.constant_um.abs();
-            assert!(node.abs() <= dust && constant < DUST_UM, "{name}: {node} at the reference");
-            let room = place_um + DUST_UM;
-            assert!(at_reference.abs() <= room, "{name}: {at_reference} at the reference");
+            self.near(what, node, if self.adds_up() { DUST_UM } else { 0.0 });
+            self.near(what, self.constant_um, DUST_UM);
+            self.near(what, at_reference, place_um + DUST_UM);
         } else if has_two {
-            let reversal = self.target(reference);
-            let left = (at_reference + reversal).abs();
             let room = self.half_um() + place_um + DUST_UM;
-            assert!(left <= room, "{name}: {at_reference} at the reference, there {reversal}");
+            self.near(what, at_reference + self.target(reference), room);
         }
     }
 
@@ -260,19 +259,13 @@ impl<'a> OneWay<'a> {
             (false, Direction::Plus) => self.term.reversal(),
             (false, Direction::Minus) => -self.term.reversal(),
         };
-        let (name, constant) = (self.name(), self.constant_um);
-        let room = self.parameter_digit_um() / 2.0 + 1e-6;
-        let off = (constant - expected).abs();
-        assert!(off <= room, "{name}: constant {constant}, expected {expected}");
-    }
-
-    /// Last digit of the backlash parameter, µm.
-    fn parameter_digit_um(&self) -> f64 {
-        match self.case.profile.dialect {
+        let last_digit = match self.case.profile.dialect {
             Dialect::Siemens(_) if self.case.machine.inch => 0.254,
             Dialect::Fanuc(_) => self.case.machine.axis(self.term.term.of).unit_um.unwrap(),
             _ => 0.1,
-        }
+        };
+        let what = format_args!("constant, expected {expected}");
+        self.near(what, self.constant_um - expected, last_digit / 2.0 + 1e-6);
     }
 
     /// (c) On a control that takes every sign the other way round the residual doubles. Whether the
@@ -298,7 +291,7 @@ impl<'a> OneWay<'a> {
         let slack = count.max(self.placement.fit_residual_um.unwrap_or(0.0))
             + if of_fit { self.placement.grid_residual_um } else { 0.0 };
         let is_seen = deviation > 12.0 * slack && deviation > 0.1;
-        let name = self.name();
+        let name = self.term.term;
         assert!(!is_seen || left >= 1.9 * deviation, "{name}: {deviation}, turned {left}");
         is_seen
     }

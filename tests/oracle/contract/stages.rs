@@ -1,7 +1,7 @@
 //! Three measured stages as one machine (ISO 230-2 runs, read where they lie, not part of this repository): their
 //! reversals change along the axes, and they are short and steep, up to 8 µm on 1 mm.
 
-use super::check;
+use super::{Seen, check};
 use crate::support::machine::{Errors, Machine, MachineAxis, Term};
 use crate::support::{self, UNCORRECTED, in_parallel, job_of, shared};
 use nonius::control::controller::{Profile, builtin};
@@ -78,7 +78,8 @@ fn measured_stages_keep_the_contract() {
     in_parallel(support::positioning_ids(), |id| {
         let profile = builtin::profile(id).unwrap();
         for policy in ["mean", "two-tables"] {
-            let seen = check(&profile, &machine(&stages, &profile, policy));
+            let mut seen = Seen::default();
+            check(&profile, &machine(&stages, &profile, policy), &mut seen);
             assert_eq!(seen.compensated, 3, "{id} {policy}");
         }
     });
