@@ -9,6 +9,18 @@ pub(crate) struct Walked {
     pub(crate) reach_mm: [[f64; 2]; 3],
 }
 
+impl Walked {
+    pub(crate) fn nowhere() -> Walked {
+        Walked { length_mm: 0.0, reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3] }
+    }
+
+    pub(crate) fn reach(&mut self, place: [f64; 3]) {
+        for ([least, most], mm) in self.reach_mm.iter_mut().zip(place) {
+            (*least, *most) = (least.min(mm), most.max(mm));
+        }
+    }
+}
+
 struct Canon {
     mm: f64,
     /// Numbers of the first, the second and the third axis of the plane.
@@ -21,8 +33,7 @@ struct Canon {
 }
 
 pub(crate) fn walked(calls: &str) -> Walked {
-    let walked = Walked { length_mm: 0.0, reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3] };
-    let (plane, zeros) = ([0, 1, 2], [[0.0; 3]; 3]);
+    let (walked, plane, zeros) = (Walked::nowhere(), [0, 1, 2], [[0.0; 3]; 3]);
     let mut canon = Canon { mm: 1.0, plane, zeros, at: [0.0; 3], walked };
     for line in calls.lines() {
         // `  12 N40    STRAIGHT_FEED(1.0000, …)`
@@ -66,19 +77,13 @@ impl Canon {
         [0, 1, 2].map(|axis| program[axis] + self.zeros.map(|zero| zero[axis]).iter().sum::<f64>())
     }
 
-    fn reach(&mut self, place: [f64; 3]) {
-        for ([least, most], mm) in self.walked.reach_mm.iter_mut().zip(place) {
-            (*least, *most) = (least.min(mm), most.max(mm));
-        }
-    }
-
     fn feed(&mut self, numbers: &[f64]) {
         let to = self.machine(numbers);
         let way = [0, 1, 2].map(|axis| to[axis] - self.at[axis]);
         let length = way[0].hypot(way[1]).hypot(way[2]);
         if length > 0.0 {
-            self.reach(self.at);
-            self.reach(to);
+            self.walked.reach(self.at);
+            self.walked.reach(to);
         }
         self.walked.length_mm += length;
         self.at = to;
@@ -104,8 +109,8 @@ impl Canon {
         sweep += (numbers[4].abs() - 1.0) * TAU;
         let start = self.at;
         let radius = (start[first] - centre[first]).hypot(start[second] - centre[second]);
-        self.reach(start);
-        self.reach(to);
+        self.walked.reach(start);
+        self.walked.reach(to);
         for quarter in 0..4 {
             let place = f64::from(quarter) * TAU / 4.0;
             if (sign * (place - from)).rem_euclid(TAU) < sweep {
@@ -113,7 +118,7 @@ impl Canon {
                 extreme[first] = centre[first] + radius * place.cos();
                 extreme[second] = centre[second] + radius * place.sin();
                 extreme[third] = start[third];
-                self.reach(extreme);
+                self.walked.reach(extreme);
             }
         }
         self.walked.length_mm += (radius * sweep).hypot(to[third] - start[third]);
