@@ -1,7 +1,8 @@
 //! Whether U = k·u holds the true value as often as it says, on simulated machines.
 use crate::support::diagonals::{
     self as simulated, Machine, SIGMA_UM, Share, U_LINE_UM_PER_M, box_of, curve, float, mean,
-    noisy_lines, normal, runs, seeded, squareness_off, stretched, visit_runs, volume, with_noise,
+    noisy_lines, normal, own, runs, seeded, squareness_off, stretched, visit_runs, volume,
+    with_noise,
 };
 use crate::support::{in_parallel, is_held, may_be, short_or};
 use nonius::inputs::job::{
@@ -141,10 +142,9 @@ pub(super) fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
 
 fn count_metric(tally: &mut Tally, truth: &Machine, found: &Separation, k: f64) {
     for axis in Axis::ALL {
-        let own = ErrorTerm { of: axis, along: axis };
         // The scale is the slope of the curve: its end has the same effective freedom.
-        let error = found.metric.scale(axis).um_per_m.unwrap() - truth.slope(own);
-        let expanded = mean(found, own).expanded_um(truth.volume.steps).unwrap();
+        let error = found.metric.scale(axis).um_per_m.unwrap() - truth.slope(own(axis));
+        let expanded = mean(found, own(axis)).expanded_um(truth.volume.steps).unwrap();
         let expanded = 1000.0 * expanded / truth.volume.size[axis].mm();
         tally.add(&format!("scale {axis}"), error, expanded);
     }

@@ -3,9 +3,9 @@
 //! what is stated, and judges by the same rule (docs/method.md §23). It is what the program could reach.
 use super::causes::job_text;
 use super::coverage_bounds::{Angle, Rigid, Shape, uniform, unit};
-use crate::support::diagonals::{Machine, box_of, dot, float, normal, seeded};
+use crate::support::diagonals::{Machine, Readings, box_of, dot, float, normal, own, seeded};
 use crate::support::{in_parallel, is_whole, published, share, short_or};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use nonius::cli::answer;
 use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, Rotation};
 use nonius::visit::files::Memory;
@@ -121,7 +121,7 @@ impl Row {
 struct Session {
     name: &'static str,
     csv: String,
-    means: PerDiagonal<Vec<f64>>,
+    means: Readings,
     lines: Vec<(Axis, f64)>,
     ends_h: f64,
 }
@@ -166,8 +166,7 @@ fn measured(
     let truth = rigid.truth();
     let line = |(at, axis): (usize, &Axis)| {
         let warmed = Drift::grown(begins_h + 0.3 * float(at)) * drift.scale_ppm[*axis];
-        let own = ErrorTerm { of: *axis, along: *axis };
-        (*axis, truth.slope(own) + warmed + U_LINE * normal(random))
+        (*axis, truth.slope(own(*axis)) + warmed + U_LINE * normal(random))
     };
     let lines = row.linear.iter().enumerate().map(line).collect();
     let clean = rigid.readings(None);
@@ -237,6 +236,15 @@ fn vector(machine: &Machine) -> DVector<f64> {
     all
 }
 
+/// The machine that has the errors of such a vector.
+fn machine_of(all: DVectorView<'_, f64>) -> Machine {
+    let mut machine = Machine::perfect(&box_of(STEPS));
+    for term in ErrorTerm::ALL {
+        (1..=STEPS).for_each(|node| machine.curves[term][node] = all[place(term, node)]);
+    }
+    machine
+}
+
 /// The dense estimator of a row, and what was drawn of its errors, a column each.
 struct Dense {
     /// Readings and slopes → nine errors in the X-primary frame.
@@ -252,12 +260,11 @@ struct Dense {
 
 const INCREMENTS: usize = 4 * 3 * STEPS;
 
-/// Increments of all diagonals, then the slopes.
-fn data(readings: &PerDiagonal<Vec<f64>>, lines: &[(Axis, f64)]) -> DVector<f64> {
+/// Increments of all diagonals, then the slopes of linear axes.
+fn data(readings: &Readings, slopes: impl Iterator<Item = f64>) -> DVector<f64> {
     let increments = |d| readings[d].windows(2).map(|two| two[1] - two[0]);
     let all = Diagonal::ALL.into_iter().flat_map(increments);
-    let all: Vec<f64> = all.chain(lines.iter().map(|line| line.1)).collect();
-    DVector::from_vec(all)
+    DVector::from_vec(all.chain(slopes).collect())
 }
 
 impl Dense {
@@ -275,7 +282,8 @@ impl Dense {
         let equations = &weighted * &design + DMatrix::identity(columns, columns) * 1e-7;
         let solve = equations.cholesky().unwrap().solve(&weighted);
         let rest = DMatrix::identity(rows, rows) - &design * &solve;
-        let gain = x_primary(&solve.rows(0, 9 * STEPS).into_owned());
+        let gain = solve.column_iter().map(|errors| vector(&machine_of(errors).x_primary()));
+        let gain = DMatrix::from_columns(&gain.collect::<Vec<_>>());
         let mut random = seeded(SEED);
         let mut drawn = |of: &mut dyn FnMut(&mut ChaCha8Rng) -> DVector<f64>| {
             let columns: Vec<_> = (0..DRAWS).map(|_| of(&mut random)).collect();
@@ -284,8 +292,7 @@ impl Dense {
         let noise = drawn(&mut |random| {
             let readings =
                 PerDiagonal::from_fn(|_| (0..=3 * STEPS).map(|_| normal(random)).collect());
-            let none: Vec<_> = row.linear.iter().map(|axis| (*axis, 0.0)).collect();
-            data(&readings, &none)
+            data(&readings, row.linear.iter().map(|_| 0.0))
         });
         let volume = box_of(STEPS);
         let machine = Machine::perfect(&volume);
@@ -295,9 +302,7 @@ impl Dense {
                 let um = |node| 1e-3 * ppm * dot(&laser, &machine.state(d, node, None).0);
                 (0..=3 * STEPS).map(um).collect()
             });
-            let line = |axis: &Axis| (*axis, U_LINE.hypot(setup) * normal(random));
-            let lines: Vec<_> = row.linear.iter().map(line).collect();
-            data(&readings, &lines)
+            data(&readings, row.linear.iter().map(|_| U_LINE.hypot(setup) * normal(random)))
         });
         let shapes: [fn(f64) -> f64; 2] = [|s| 2.0 * s - 1.0, |s| -(2.0 * s - 1.0).powi(2)];
         let patterns: Vec<DVector<f64>> = Rotation::all()
@@ -306,9 +311,8 @@ impl Dense {
                 let angles: Vec<(Rotation, Angle)> = vec![(rotation, Box::new(shape))];
                 let rigid = Rigid::new(machine.clone(), angles);
                 let truth = rigid.truth();
-                let own = |axis: &Axis| (*axis, truth.slope(ErrorTerm { of: *axis, along: *axis }));
-                let lines: Vec<_> = row.linear.iter().map(own).collect();
-                &gain * data(&rigid.readings(None), &lines) - vector(&truth)
+                let slopes = row.linear.iter().map(|axis| truth.slope(own(*axis)));
+                &gain * data(&rigid.readings(None), slopes) - vector(&truth)
             })
             .collect();
         let angles = drawn(&mut |random| {
@@ -322,7 +326,7 @@ impl Dense {
 
     /// Nine errors and the standard deviation of a mean of readings that is found with them.
     fn found(&self, of: &Session) -> (DVector<f64>, f64) {
-        let data = data(&of.means, &of.lines);
+        let data = data(&of.means, of.lines.iter().map(|(_, slope)| *slope));
         let mut rest = &self.rest * &data;
         rest.rows_mut(INCREMENTS, data.len() - INCREMENTS).fill(0.0);
         let sigma = (rest.norm_squared() / self.square).sqrt();
@@ -360,52 +364,29 @@ fn quantile(mut all: Vec<f64>) -> f64 {
     all[DRAWS * 95 / 100]
 }
 
-/// Nine errors, two leans of each mirror → increments, µm, and slopes, µm/m.
+/// Nine errors, two leans of each mirror (mrad) → increments, µm, and slopes, µm/m: what each of them alone shows.
 fn design(linear: &[Axis]) -> DMatrix<f64> {
-    let (volume, machine) = (box_of(STEPS), Machine::perfect(&box_of(STEPS)));
-    let mut design = DMatrix::zeros(INCREMENTS + linear.len(), 9 * STEPS + 8);
-    for (at, d) in Diagonal::ALL.into_iter().enumerate() {
-        let (laser, mirror) = (volume.laser(d), 9 * STEPS + 2 * at);
-        let one = unit(laser.cross(PerAxis { x: 0.0, y: 0.0, z: 1.0 }));
-        for step in 0..3 * STEPS {
-            let row = 3 * STEPS * at + step;
-            let [before, behind] = [step, step + 1].map(|node| machine.state(d, node, None).0);
-            let (cell, along) = (step / 3, Axis::ALL[step % 3]);
-            let (from, to) = match d.forward(along) {
-                Direction::Plus => (cell, cell + 1),
-                Direction::Minus => (STEPS - cell, STEPS - cell - 1),
-            };
-            for of in Axis::ALL {
-                for (node, sign) in [(from, -1.0), (to, 1.0)].into_iter().filter(|own| own.0 > 0) {
-                    design[(row, place(ErrorTerm { of, along }, node))] = sign * laser[of];
-                }
-            }
-            let moved = behind.minus(before);
-            design[(row, mirror)] = dot(&one, &moved);
-            design[(row, mirror + 1)] = dot(&laser.cross(one), &moved);
+    let perfect = Machine::perfect(&box_of(STEPS));
+    let shown = |machine: &Machine| {
+        data(&machine.readings(None), linear.iter().map(|axis| machine.slope(own(*axis))))
+    };
+    let mut columns = vec![DVector::zeros(0); 9 * STEPS];
+    for (term, node) in ErrorTerm::ALL.into_iter().flat_map(|t| (1..=STEPS).map(move |n| (t, n))) {
+        let mut machine = perfect.clone();
+        machine.curves[term][node] = 1.0;
+        columns[place(term, node)] = shown(&machine);
+    }
+    for d in Diagonal::ALL {
+        let laser = perfect.volume.laser(d);
+        let across = unit(laser.cross(PerAxis { x: 0.0, y: 0.0, z: 1.0 }));
+        for lean in [across, laser.cross(across)] {
+            let mut machine = perfect.clone();
+            // So small that its square is none.
+            machine.lean[d] = lean.times(1e-7);
+            columns.push(shown(&machine) * 1e4);
         }
     }
-    for (at, axis) in linear.iter().enumerate() {
-        let own = place(ErrorTerm { of: *axis, along: *axis }, STEPS);
-        design[(INCREMENTS + at, own)] = 1000.0 / SIZE[*axis as usize];
-    }
-    design
-}
-
-/// The same errors with EYX, EZX and EZY without slope, what is beside it in EXY, EXZ and EYZ.
-fn x_primary(errors: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut turned = errors.clone();
-    for term in ErrorTerm::ALL.into_iter().filter(|term| term.of != term.along) {
-        let twin = ErrorTerm { of: term.along, along: term.of };
-        let (of, sign) = if term.of < term.along { (twin, 1.0) } else { (term, -1.0) };
-        let slope = errors.row(place(of, STEPS)) * (sign / SIZE[of.along as usize]);
-        for node in 1..=STEPS {
-            let mm = SIZE[term.along as usize] * float(node) / float(STEPS);
-            let mut own = turned.row_mut(place(term, node));
-            own += &slope * mm;
-        }
-    }
-    turned
+    DMatrix::from_columns(&columns)
 }
 
 /// One visit: the true largest error, what it is at most for program and estimator (kit, second measurement), who

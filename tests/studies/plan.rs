@@ -1,8 +1,8 @@
 //! `nonius plan`: its U against simulated visits, each with a machine, mirrors, noise and lasers of its own, and against
 //! the U of the readings; what its page says.
 use crate::support::diagonals::{
-    self as simulated, Machine, Share, curve, float, normal, seeded, squareness_error, stretched,
-    visit_runs, volume,
+    self as simulated, Machine, Share, curve, float, normal, own, seeded, squareness_error,
+    stretched, visit_runs, volume,
 };
 use crate::support::visit::{self};
 use crate::support::{
@@ -132,9 +132,9 @@ fn measured(
     let line = |line: &MeasuredLine| {
         let axis = Axis::ALL.into_iter().find(|axis| line.direction[*axis] > 0.5).unwrap();
         let u = line.u_um_per_m.unwrap();
-        let own = (u * u - row.laser_ppm * row.laser_ppm).sqrt();
-        let slope = truth.slope(ErrorTerm { of: axis, along: axis });
-        MeasuredLine { slope_um_per_m: slope + laser + own * normal(random), ..*line }
+        let own_u = (u * u - row.laser_ppm * row.laser_ppm).sqrt();
+        let slope_um_per_m = truth.slope(own(axis)) + laser + own_u * normal(random);
+        MeasuredLine { slope_um_per_m, ..*line }
     };
     let lines = planned.lines.iter().map(line).collect();
     let mut measurement = simulated::measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);

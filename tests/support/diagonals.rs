@@ -49,6 +49,11 @@ pub(crate) fn box_30() -> Volume {
     box_of(30)
 }
 
+/// The positioning error of an axis.
+pub(crate) fn own(axis: Axis) -> ErrorTerm {
+    ErrorTerm { of: axis, along: axis }
+}
+
 /// The numbers of a seed.
 pub(crate) fn seeded(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
@@ -209,7 +214,7 @@ impl Machine {
     pub(crate) fn lines(&self, axes: &[Axis], u_um_per_m: Option<f64>) -> Vec<MeasuredLine> {
         let line = |axis: &Axis| MeasuredLine {
             direction: PerAxis::from_fn(|other| f64::from(other == *axis)),
-            slope_um_per_m: self.slope(ErrorTerm { of: *axis, along: *axis }),
+            slope_um_per_m: self.slope(own(*axis)),
             u_um_per_m,
             ends: None,
         };
