@@ -3,10 +3,12 @@
 //! stands first and asks for the verdict again.
 use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
+use crate::support::diagonals::{box_of, largest, own};
 use crate::support::{
     DIAGONALS, Random, Visit, in_parallel, is_whole, markdown, may_be, number, published, share,
     short_or,
 };
+use nonius::quantity::{Axis, Diagonal, PathKind};
 use serde_json::Value;
 use std::iter::once;
 
@@ -124,15 +126,13 @@ impl Trial {
         let how = format!("--noise-um {noise} --seed {seed} --runs {runs}");
         let text = self.simulated(active, &how);
         let ppm = [(); 4].map(|()| laser_ppm + self.setup_ppm * gauss(&mut self.random));
-        let edges = AXES.map(|(_, low, high)| (high - low) / 1000.0);
-        let length = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
-        let step = edges.map(|edge| edge * edge / length / f64::from(self.steps));
+        let volume = box_of(self.steps as usize);
         let scaled = |row: &str| {
             let d = DIAGONALS.iter().position(|d| row.starts_with(d));
             let Some(d) = d else { return format!("{row}\n") };
             let (head, um) = row.rsplit_once(',').unwrap();
             let node = head.rsplit(',').nth(1).unwrap().parse().unwrap();
-            let metres: f64 = (0..node).map(|node: usize| step[node % 3]).sum();
+            let metres = volume.nominal_mm(Diagonal::ALL[d], PathKind::Step, node) / 1000.0;
             format!("{head},{:.4}\n", um.parse::<f64>().unwrap() + ppm[d] * metres)
         };
         self.visit.put(&file, text.lines().map(scaled).collect::<String>());
@@ -141,13 +141,12 @@ impl Trial {
     }
 
     /// Measures an axis along its length.
-    fn add(&mut self, of: &mut Series, (axis, own): (usize, f64)) {
+    fn add(&mut self, of: &mut Series, (axis, own_u): (usize, f64)) {
         let left = read_table(&self.simulated(of.active, "--errors"));
-        let mut um = left.iter().filter(|row| row.axis == axis).map(|row| row.um[axis]);
-        let (key, low, high) = AXES[axis];
-        let (first, last) = (um.next().unwrap(), um.next_back().unwrap());
-        let off = of.laser_ppm + own.hypot(self.setup_ppm) * gauss(&mut self.random);
-        let (slope, u) = (1000.0 * (last - first) / (high - low) + off, own.hypot(U_OF.2));
+        let um = &left.curves[own(Axis::ALL[axis])];
+        let ((key, low, high), first, last) = (AXES[axis], um[0], um[um.len() - 1]);
+        let off = of.laser_ppm + own_u.hypot(self.setup_ppm) * gauss(&mut self.random);
+        let (slope, u) = (1000.0 * (last - first) / (high - low) + off, own_u.hypot(U_OF.2));
         of.lines += &format!(
             "[[measurement.step_diagonal.linear]]\naxis = \"{key}\"\nslope_um_per_m = {slope:.6}\nu_um_per_m = {u:.6}\n"
         );
@@ -205,7 +204,7 @@ fn visited(seed: u64) -> Option<(usize, bool, bool)> {
     trial.limit = share * number(&said["max_residual_at_most_um"]);
     let said = trial.judged(&job, "kit", after.as_ref());
     let left = read_table(&trial.simulated("kit", "--errors"));
-    let truth = left.iter().flat_map(|row| row.um).fold(0.0, |most: f64, um| most.max(um.abs()));
+    let truth = left.curves.iter().map(|(_, um)| largest(um)).fold(0.0, f64::max);
     if said["verdict"] != "undecided" || (0.7..1.3).contains(&(truth / trial.limit)) {
         return None;
     }

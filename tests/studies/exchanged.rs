@@ -1,13 +1,11 @@
 //! Diagonals under each other's name and steps in another order: what `separate` finds of them, how
 //! often it accuses sound readings, and whether it says what it would hardly find.
 use crate::support::diagonals::{
-    Machine, SIGMA_UM, U_LINE_UM_PER_M, box_of, float, noisy_lines, normal, seeded, solved,
-    visit_runs,
+    Machine, SIGMA_UM, U_LINE_UM_PER_M, box_of, float, noisy_lines, seeded, solved, visit_runs,
 };
 use crate::support::{in_parallel, is_held, is_whole, markdown, published, share, words};
 use nonius::machine::separation::Separation;
-use nonius::quantity::{Axis, Diagonal, ErrorTerm, PerDiagonal, Volume};
-use rand_chacha::ChaCha8Rng;
+use nonius::quantity::{Axis, Diagonal, ErrorTerm, PerDiagonal};
 
 /// Machines of the whole run, by way of measuring; seeds 0, 1, 2 …
 const MACHINES: u64 = 400;
@@ -77,23 +75,13 @@ struct Wavy {
 
 const WAVY: Wavy = Wavy { size: 1.0, even: &[] };
 
-fn machine(volume: &Volume, wavy: Wavy, random: &mut ChaCha8Rng) -> Machine {
-    let mut machine = Machine::perfect(volume);
-    for term in ErrorTerm::ALL {
-        let is_even = wavy.even.contains(&term.to_string().as_str());
-        let wave = if is_even { 0.0 } else { wavy.size };
-        let (slope, bow, size) = (normal(random), normal(random), wave * normal(random));
-        let at = |t: f64| 10.0 * slope * t + 12.0 * bow * t * (1.0 - t) + size * (19.0 * t).sin();
-        machine.set(term, at);
-    }
-    machine.x_primary()
-}
-
 /// A machine by its number, measured with the noise of another number, its mirrors leaning.
 fn measured((seed, noise): (u64, u64), way: Way, wavy: Wavy, slip: &Slip) -> Separation {
     let mut random = seeded(seed);
     let box_ = box_of(way.steps);
-    let truth = machine(&box_, wavy, &mut random);
+    let is_even = |term: ErrorTerm| wavy.even.contains(&term.to_string().as_str());
+    let size = |term| if is_even(term) { 0.0 } else { wavy.size };
+    let truth = Machine::waving(&box_, size, &mut random).x_primary();
     let mut leant = truth.clone();
     leant.lean_randomly(1e-4, &mut random);
     leant.volume.order = slip.order;

@@ -1,19 +1,14 @@
 //! Right kits: machines that were measured with noise, compensated without a mistake and measured again. How often the
 //! forecast holds, which verdicts they get, and how often something is said against them that is not so.
 use super::causes::{Travels, error_csv, gauss, job_text};
+use crate::support::diagonals::{Machine, box_of, largest, mm, own};
 use crate::support::{
     Random, Visit, in_parallel, is_held, is_whole, markdown, may_be, number, published, share,
 };
+use nonius::quantity::{Axis, ErrorTerm, Volume};
 use serde_json::Value;
 
 pub(super) const AXES: Travels = [("x", 0.0, 900.0), ("y", 0.0, 720.0), ("z", -720.0, 0.0)];
-
-/// One position of one axis with its three deviations, µm.
-pub(super) struct Row {
-    pub(super) axis: usize,
-    mm: f64,
-    pub(super) um: [f64; 3],
-}
 
 /// A curve over 0 … 1: slope, bow, one wave, a ripple that waves so many times.
 struct Shape([f64; 5]);
@@ -34,40 +29,52 @@ impl Shape {
     }
 }
 
+fn box_at(steps: usize) -> Volume {
+    Volume { start: mm(0.0, 0.0, -720.0), ..box_of(steps) }
+}
+
 /// Nine wavy curves of about `size` µm, X primary: EYX, EZX and EZY end as they begin.
-pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for (axis, (_, low, high)) in AXES.into_iter().enumerate() {
-        let sloped = |of: usize| !matches!((of, axis), (1 | 2, 0) | (2, 1));
-        let shapes = [0, 1, 2].map(|of| Shape::drawn(random, sloped(of)));
-        for index in 0..points {
-            let t = f64::from(index) / f64::from(points - 1);
-            let um = shapes.each_ref().map(|shape| size * shape.at(t));
-            rows.push(Row { axis, mm: low + t * (high - low), um });
-        }
+pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Machine {
+    let mut machine = Machine::perfect(&box_at(points as usize - 1));
+    for (along, of) in terms() {
+        let shape = Shape::drawn(random, of <= along);
+        machine.set(ErrorTerm { of, along }, |t| size * shape.at(t));
     }
-    rows
+    machine
+}
+
+/// Of every term along and of which axis.
+fn terms() -> impl Iterator<Item = (Axis, Axis)> {
+    Axis::ALL.into_iter().flat_map(|along| Axis::ALL.map(|of| (along, of)))
 }
 
 /// An error table; `noise` is added to every value, and stated where `u_um` is given.
-pub(super) fn table(rows: &[Row], mut noise: impl FnMut() -> f64, u_um: Option<f64>) -> String {
-    let row = |row: &Row| (AXES[row.axis].0, "", row.mm, row.um.map(|um| Some(um + noise())));
-    error_csv(rows.iter().map(row), u_um)
+pub(super) fn table(
+    machine: &Machine,
+    mut noise: impl FnMut() -> f64,
+    u_um: Option<f64>,
+) -> String {
+    let mut rows = Vec::new();
+    for along in Axis::ALL {
+        for (index, at) in machine.volume.positions(along).iter().enumerate() {
+            let um = |of| machine.curves[ErrorTerm { of, along }][index] + noise();
+            rows.push((along.key(), "", at.mm(), Axis::ALL.map(um).map(Some)));
+        }
+    }
+    error_csv(rows, u_um)
 }
 
-/// The rows of an error table that the program wrote.
-pub(super) fn read_table(csv: &str) -> Vec<Row> {
-    let lines = csv.lines().filter(|line| !line.starts_with('#'));
-    let row = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        let number = |index: usize| cells[index].parse::<f64>().unwrap();
-        Row {
-            axis: AXES.iter().position(|(name, ..)| *name == cells[0]).unwrap(),
-            mm: number(1),
-            um: [number(2), number(3), number(4)],
-        }
-    };
-    lines.skip(1).map(row).collect()
+/// The machine of an error table that the program wrote.
+pub(super) fn read_table(csv: &str) -> Machine {
+    let lines = csv.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let mut machine = Machine::perfect(&box_at(rows.len() / 3 - 1));
+    for (along, of) in terms() {
+        let own = rows.iter().filter(|row| row[0] == along.key());
+        let um = own.map(|row| row[2 + of as usize].parse().unwrap());
+        machine.curves[ErrorTerm { of, along }] = um.collect();
+    }
+    machine
 }
 
 fn job(measurement: &str, seed: u64, points: u32) -> String {
@@ -103,23 +110,22 @@ struct Outcome {
     named_off: bool,
 }
 
-fn largest(rows: &[Row], axis: usize, of: usize) -> f64 {
-    let own = rows.iter().filter(|row| row.axis == axis);
-    own.map(|row| row.um[of].abs()).fold(0.0, f64::max)
+/// As a laser shows it whose scale is off.
+fn stretched(mut machine: Machine, ppm: f64) -> Machine {
+    for axis in Axis::ALL {
+        let places = machine.volume.positions(axis);
+        let curve = machine.curves[own(axis)].iter_mut();
+        curve.zip(places).for_each(|(um, at)| *um += ppm * at.mm() / 1000.0);
+    }
+    machine
 }
 
-/// As a laser shows them whose scale is off.
-fn stretched(mut rows: Vec<Row>, ppm: f64) -> Vec<Row> {
-    rows.iter_mut().for_each(|row| row.um[row.axis] += ppm * row.mm / 1000.0);
-    rows
-}
-
-fn left_by_kit(visit: &Visit) -> Vec<Row> {
+fn left_by_kit(visit: &Visit) -> Machine {
     visit.run("simulate machine.toml --tables kit --errors -o left.csv").answers();
     read_table(&visit.read("left.csv"))
 }
 
-fn outcome(visit: &Visit, left: &[Row]) -> Outcome {
+fn outcome(visit: &Visit, left: &Machine) -> Outcome {
     let forecast = visit.json("verify job.toml --tables kit");
     let after = visit.json("verify job.toml --tables kit --after after.toml");
     let held = |um: f64, of: &Value, what: &str, expanded: &str| {
@@ -128,13 +134,11 @@ fn outcome(visit: &Visit, left: &[Row]) -> Outcome {
     };
     let mut terms_held = 0;
     let mut most = 0.0_f64;
-    for (along, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-        for (index, of) in ["X", "Y", "Z"].into_iter().enumerate() {
-            let term = &forecast["terms"][format!("E{of}{axis}")];
-            let um = largest(left, along, index);
-            terms_held += usize::from(held(um, term, "forecast_um", "expanded_um"));
-            most = most.max(um);
-        }
+    for term in ErrorTerm::ALL {
+        let um = largest(&left.curves[term]);
+        let said = &forecast["terms"][term.to_string()];
+        terms_held += usize::from(held(um, said, "forecast_um", "expanded_um"));
+        most = most.max(um);
     }
     let mut notes = after["notes"].as_array().unwrap().iter();
     Outcome {

@@ -1,8 +1,8 @@
 //! Laws of the separation, on machines that the test simulates with arithmetic of its own.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, close, curve, measurement, mm, naive, normal, runs, seeded, solved, squareness_error,
-    volume, with_noise,
+    Machine, close, curve, largest, measurement, mm, naive, normal, runs, seeded, solved,
+    squareness_error, volume, with_noise,
 };
 use crate::support::{error_table, short_or, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
@@ -137,10 +137,10 @@ proptest! {
         leant.lean_randomly(size, &mut random);
         // Formula (7) neglects products of slopes: (50 um/m)^2 = 0.0025 um/m, some of them, by the gain.
         let gain = Axis::ALL.into_iter().map(|axis| 1.0 / machine.volume.cosine(axis)).fold(0.0, f64::max);
-        let largest = straight.curves.iter().flat_map(|(_, c)| c).fold(0.0, |m: f64, v| m.max(v.abs()));
+        let most = straight.curves.iter().map(|(_, curve)| largest(curve)).fold(0.0, f64::max);
         for (axes, u) in [(&Axis::ALL[..], Some(0.5)), (&[Axis::X, Axis::Y], None)] {
             let found = solved(&machine.volume, straight.lines(axes, u), &forward(&leant));
-            curves_close(&found, &straight.curves, 0.01 * gain * gain + 4.0 * size * largest * gain);
+            curves_close(&found, &straight.curves, 0.01 * gain * gain + 4.0 * size * most * gain);
             for plane in Plane::ALL {
                 close(squareness_error(&straight, &found, plane), 0.0, 0.01 * gain * gain, plane.key());
             }
@@ -313,11 +313,6 @@ fn false_bows(
     naive(volume, &runs(1, Pass::Forward, &PerDiagonal::from_fn(of))).shapes
 }
 
-/// Largest distance of a curve from the line through its ends, µm.
-fn largest_bow(shape: &[f64]) -> f64 {
-    shape.iter().fold(0.0f64, |most, um| most.max(um.abs()))
-}
-
 /// docs/method.md §10: c₀V/8 by the lever, as much by the mirror, and no more for any other angle
 /// and order of the axes.
 #[test]
@@ -328,7 +323,7 @@ fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
     for (mirror, wanted) in [(Reflector::Retroreflector, 0.1125), (Reflector::FlatMirror, 0.225)] {
         let chain = Chain::parse("wXYZt").unwrap();
         let bows = false_bows(&volume, chain, yaw, mirror);
-        let bow = largest_bow(&bows[straightness]);
+        let bow = largest(&bows[straightness]);
         close(bow, wanted, 0.003, "EYX");
     }
     for order in ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"] {
@@ -340,7 +335,7 @@ fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
             };
             let bows = false_bows(&volume, chain, rotation, Reflector::FlatMirror);
             for (term, bow) in bows.iter() {
-                let bow = largest_bow(bow);
+                let bow = largest(bow);
                 assert!(bow <= limit, "{order} {rotation} {term}: {bow}");
             }
         }

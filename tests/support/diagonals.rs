@@ -81,9 +81,18 @@ impl Machine {
 
     /// Straight lines and a bow of some micrometres with a waviness on it.
     pub(crate) fn random(volume: &Volume, random: &mut ChaCha8Rng) -> Machine {
+        Machine::waving(volume, |_| 1.0, random)
+    }
+
+    /// The same, each curve with a waviness of some size.
+    pub(crate) fn waving(
+        volume: &Volume,
+        size: impl Fn(ErrorTerm) -> f64,
+        random: &mut ChaCha8Rng,
+    ) -> Machine {
         let mut machine = Machine::perfect(volume);
         for term in ErrorTerm::ALL {
-            let (slope, bow, wave) = (normal(random), normal(random), normal(random));
+            let (slope, bow, wave) = (normal(random), normal(random), size(term) * normal(random));
             let at =
                 |t: f64| 10.0 * slope * t + 12.0 * bow * t * (1.0 - t) + wave * (19.0 * t).sin();
             machine.set(term, at);
@@ -395,6 +404,11 @@ pub(crate) fn mean(separation: &Separation, term: ErrorTerm) -> &SeparatedError 
 
 pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
     &mean(separation, term).deviation_um
+}
+
+/// Largest error of a curve.
+pub(crate) fn largest(curve: &[f64]) -> f64 {
+    curve.iter().fold(0.0, |most, um| most.max(um.abs()))
 }
 
 #[track_caller]
