@@ -11,8 +11,8 @@ use nonius::inputs::job::{Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::{
-    Axis, Chain, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Plane,
-    Rotation, Run, Volume,
+    Axis, Chain, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, Plane, Rotation, Run,
+    Volume,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
@@ -382,48 +382,40 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     }
 }
 
+/// How far all curves and squarenesses lie off, and their u.
+fn off_and_u(truth: &Machine, found: &Separation) -> (Vec<f64>, Vec<f64>) {
+    let off = ErrorTerm::ALL.into_iter().flat_map(|t| curve(found, t).iter().zip(&truth.curves[t]));
+    let u = ErrorTerm::ALL.into_iter().flat_map(|term| mean(found, term).u_um().unwrap());
+    let of_planes = Plane::ALL.map(|plane| squareness_error(truth, found, plane));
+    let u_of_planes = Plane::ALL.map(|plane| found.metric.squareness(plane).u.unwrap().u);
+    let off = off.map(|(found, truth)| found - truth).chain(of_planes);
+    (off.collect(), u.chain(u_of_planes).collect())
+}
+
 /// A straight part and a bow of every angle, one by one through readings and separation.
 #[test]
 fn a_bound_counts_as_its_straight_part_and_its_bow() {
     for (steps, rotation) in [4, 5].into_iter().flat_map(|n| Rotation::all().map(move |r| (n, r))) {
-        let mut squares = PerTerm::from_fn(|_| vec![0.0; steps + 1]);
-        let mut squareness = [0.0; 3];
+        let clean = |rigid: &Rigid, missing, stated| {
+            off_and_u(&rigid.truth(), &of_clean(rigid, missing, stated))
+        };
         let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
-        for shape in shapes {
+        let off = shapes.map(|shape| {
             let angle: Angle = Box::new(move |share| shape(2.0 * share - 1.0));
-            let rigid = quiet(vec![(rotation, angle)], steps);
-            let (truth, found) = (rigid.truth(), of_clean(&rigid, None, small_noise()));
-            for term in ErrorTerm::ALL {
-                let errors = curve(&found, term).iter().zip(&truth.curves[term]);
-                for (sum, (found, truth)) in squares[term].iter_mut().zip(errors) {
-                    *sum += (found - truth).powi(2);
-                }
-            }
-            for (plane, sum) in Plane::ALL.into_iter().zip(&mut squareness) {
-                *sum += squareness_error(&truth, &found, plane).powi(2);
-            }
-        }
+            clean(&quiet(vec![(rotation, angle)], steps), None, small_noise()).0
+        });
         let stated = StatedUncertainty { angle_urad: Some(1.0), ..small_noise() };
         let perfect = quiet(Vec::new(), steps);
-        let with = of_clean(&perfect, Some(rotation), stated);
-        let without = of_clean(&perfect, None, small_noise());
+        let (_, with) = clean(&perfect, Some(rotation), stated);
+        let (_, without) = clean(&perfect, None, small_noise());
         // The stated lines and what (7) neglects have their part in both.
-        let compare = |what: &str, with: f64, without: f64, square: f64| {
+        for (index, (with, without)) in with.iter().zip(without).enumerate() {
             let angle = (with * with - without * without).max(0.0).sqrt();
+            let square: f64 = off.iter().map(|off| off[index].powi(2)).sum();
             let expected = (square / 12.0).sqrt();
-            assert!((angle - expected).abs() < 1e-3, "{rotation} {what}: {angle} {expected}");
-        };
-        for term in ErrorTerm::ALL {
-            let [with, without] = [&with, &without].map(|found| mean(found, term).u_um().unwrap());
-            for ((with, without), square) in with.into_iter().zip(without).zip(&squares[term]) {
-                compare(&term.to_string(), with, without, *square);
-            }
+            assert!((angle - expected).abs() < 1e-3, "{rotation} {index}: {angle} {expected}");
         }
-        for (plane, square) in Plane::ALL.into_iter().zip(squareness) {
-            let [with, without] =
-                [&with, &without].map(|found| found.metric.squareness(plane).u.unwrap().u);
-            compare(plane.key(), with, without, square);
-        }
+        assert_eq!(with.len(), 9 * (steps + 1) + 3);
     }
 }
 

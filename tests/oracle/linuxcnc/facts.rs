@@ -1,6 +1,6 @@
 //! What LinuxCNC does with a table, found on the control: the facts that its profile calls executed.
 
-use super::control::{Cycle, Joint, Setup, is_refused, run};
+use super::control::{Joint, Setup, is_refused, run};
 use super::machine::stands;
 
 /// Rounding of what is printed, mm, and of single precision.
@@ -33,16 +33,13 @@ fn added(joints: [impl Into<String>; 3], tables: [&str; 3]) -> ([[f64; 5]; 3], S
         files: files.map(file).collect(),
         ..bare(THERE_AND_BACK)
     });
-    let cycles: &[Cycle] = &seen.cycles[0];
-    let places = stands(cycles);
-    let of = |joint: usize| {
-        let at =
-            |place: usize| (places[place].drive[joint] - places[place].command[joint]) * 1000.0;
-        [0, 1, 2, 3, 4].map(at)
-    };
+    let places = stands(&seen.cycles[0]);
     let commands: Vec<f64> = places.iter().map(|place| place.command[0].round()).collect();
     assert!(commands.starts_with(&[-20.0, 25.0, 160.0, 25.0, -20.0]), "{places:?}");
-    ([0, 1, 2].map(of), seen.messages)
+    let added = |joint: usize| {
+        [0, 1, 2, 3, 4].map(|at: usize| (places[at].drive[joint] - places[at].command[joint]) * 1e3)
+    };
+    ([0, 1, 2].map(added), seen.messages)
 }
 
 fn close(got: [f64; 5], expected: [f64; 5]) {

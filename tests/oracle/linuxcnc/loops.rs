@@ -3,7 +3,7 @@
 
 use super::control::{CYCLE_S, Cycle, Joint, LETTERS, Setup, run};
 use super::machine::{Machine, stands};
-use crate::support::{control, generate, response, text_of, um_at};
+use crate::support::{UNCORRECTED, control, generate, response, text_of, um_at};
 use nonius::control::controller::Role;
 use nonius::kit::Kit;
 use nonius::quantity::Direction;
@@ -83,18 +83,17 @@ impl Case {
 
     pub(crate) fn job(&self) -> String {
         let own = "terms = [\"EXX\", \"EYY\", \"EZZ\"]\n";
-        let job = format!(
-            "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nerrors = \"errors.csv\"\n\
-             active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{}\"\ncontrol_unit = \"{}\"\n\
-             backlash = \"two-tables\"\n{}[acceptance]\nmax_deviation_um = 10.0\n",
-            self.machine.name,
+        let control = format!(
+            "controller = \"{}\"\ncontrol_unit = \"{}\"\nbacklash = \"two-tables\"\n{}",
             self.controller,
             self.unit,
             if self.has_cross_tables() { "" } else { own },
         );
         let sections = (self.points - 1) as f64;
         let spacing = self.machine.travel.map(|[low, high]| (high - low) / sections);
-        job + &self.machine.axes_of_job(spacing)
+        let measured = format!("errors = \"errors.csv\"\n{UNCORRECTED}");
+        let job = self.machine.job(&measured, &control, spacing);
+        job + "[acceptance]\nmax_deviation_um = 10.0\n"
     }
 
     /// Every servo cycle of the control with exactly the files of the kit, in mm.

@@ -2,6 +2,7 @@
 //! a laser along a diagonal shows. Nothing of the program is used here.
 
 use super::control::{Cycle, Joint};
+use crate::support::job_measured;
 use std::f64::consts::TAU;
 
 /// A machine with planted errors; lengths in mm, errors in µm.
@@ -46,16 +47,12 @@ impl Machine {
         [0, 1, 2].map(sum)
     }
 
-    /// The sections of a job for the axes, the reference points of which are approached upwards.
-    pub(crate) fn axes_of_job(&self, spacing: [f64; 3]) -> String {
-        let axis = |axis: usize| {
-            let (name, travel, spacing) = (["x", "y", "z"][axis], self.travel[axis], spacing[axis]);
-            format!(
-                "[machine.axes.{name}]\ntravel_mm = {travel:?}\nreference_mm = 0.0\nreference_direction = \"+\"\n\
-                 [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
-            )
-        };
-        [0, 1, 2].map(axis).concat()
+    /// A job that measures and compensates the machine so; the reference points are approached upwards.
+    pub(crate) fn job(&self, measurement: &str, compensation: &str, spacing: [f64; 3]) -> String {
+        let axes = [("x", 0), ("y", 1), ("z", 2)].map(|(name, axis)| {
+            (name, self.travel[axis], 0.0, format!("spacing_mm = {:?}", spacing[axis]))
+        });
+        job_measured(measurement, compensation, axes)
     }
 
     /// The rows of an error table with `points` positions of each axis, both directions.

@@ -1,7 +1,7 @@
 //! A kit on disk and the control started with it; the sign proof as its checklist tells it, read from the control.
 
 use super::control::{LETTERS, Run, Setup, run};
-use super::loops::{ACCELERATION_MM, Case, joints, sections};
+use super::loops::{ACCELERATION_MM, joints, sections};
 use super::machine::{Machine, stands};
 use crate::support::{Visit, number};
 use serde_json::Value;
@@ -126,10 +126,4 @@ pub(crate) fn signs_are_proved(visit: &Visit, machine: &Machine, terms: &[&str])
             assert!((seen - told).abs() < 0.01, "{key}: {seen} µm");
         }
     }
-}
-
-/// The sign proofs of a kit made by the program from the error table of a machine.
-pub(crate) fn of_case(case: &Case, terms: &[&str]) {
-    let visit = Visit::with(case.job(), case.error_table()).with_kit();
-    signs_are_proved(&visit, &case.machine, terms);
 }

@@ -6,43 +6,29 @@ use super::loops::path;
 use super::machine::{Machine, Stand, stands};
 use super::proof::{Tables, drive, signs_are_proved};
 use crate::support::{DIAGONALS, Visit};
-use std::fmt::Write;
 
-/// What the laser shows: rows of `positions.csv` with the displacement of the mirror along the diagonal, mm.
-pub(crate) struct Laser<'a> {
-    pub(crate) machine: &'a Machine,
-}
-
-impl Laser<'_> {
-    /// The point that carries the mirror, mm.
-    fn reached(&self, stand: &Stand) -> [f64; 3] {
-        let errors = self.machine.errors_um(stand.drive, stand.upwards);
+/// What a laser shows on the moving machine: `readings.csv` with its last column, the displacement of the mirror along the
+/// diagonal, mm, filled in from what the control did in one program for each diagonal.
+fn filled(machine: &Machine, positions: &str, readings: &str, seen: &Run) -> String {
+    let rows: Vec<Vec<&str>> =
+        positions.lines().skip(1).map(|row| row.split(',').collect()).collect();
+    // The point that carries the mirror, mm.
+    let reached = |stand: &Stand| {
+        let errors = machine.errors_um(stand.drive, stand.upwards);
         [0, 1, 2].map(|axis| stand.drive[axis] + errors[axis] / 1000.0)
+    };
+    let mut values = Vec::new();
+    for (diagonal, cycles) in DIAGONALS.iter().zip(&seen.cycles) {
+        let own = rows.iter().filter(|row| row[0] == *diagonal);
+        let own: Vec<[f64; 3]> =
+            own.map(|row| [6, 7, 8].map(|column| row[column].parse().unwrap())).collect();
+        let reached: Vec<[f64; 3]> = at(&own, &stands(cycles)).iter().map(reached).collect();
+        values.extend(displacements(&own, &reached));
     }
-
-    /// `readings.csv` with its last column filled in, from what the control did in one program for each diagonal.
-    pub(crate) fn fill(&self, positions: &str, readings: &str, seen: &Run) -> String {
-        let rows: Vec<Vec<&str>> =
-            positions.lines().skip(1).map(|row| row.split(',').collect()).collect();
-        let mut values = Vec::new();
-        for (diagonal, cycles) in DIAGONALS.iter().zip(&seen.cycles) {
-            let own: Vec<[f64; 3]> = rows
-                .iter()
-                .filter(|row| row[0] == *diagonal)
-                .map(|row| [6, 7, 8].map(|column| row[column].parse().unwrap()))
-                .collect();
-            let places = at(&own, &stands(cycles));
-            let reached: Vec<[f64; 3]> = places.iter().map(|place| self.reached(place)).collect();
-            values.extend(displacements(&own, &reached));
-        }
-        let mut lines = readings.lines();
-        let mut filled = format!("{}\n", lines.next().unwrap());
-        for (line, value) in lines.zip(&values) {
-            writeln!(filled, "{line}{value:.7}").unwrap();
-        }
-        assert_eq!(filled.lines().count(), values.len() + 1);
-        filled
-    }
+    let (header, lines) = readings.split_once('\n').unwrap();
+    assert_eq!(lines.lines().count(), values.len());
+    let rows = lines.lines().zip(&values).map(|(line, value)| format!("{line}{value:.7}\n"));
+    format!("{header}\n{}", rows.collect::<String>())
 }
 
 /// The standstills at the places of the readings, in their order; two readings of one place in a row are of one standstill.
@@ -73,18 +59,16 @@ fn displacements(nominal: &[[f64; 3]], reached: &[[f64; 3]]) -> Vec<f64> {
 }
 
 fn job(machine: &Machine, readings: &str, active: &str) -> String {
-    let job = format!(
-        "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nreadings = \"{readings}\"\n\
-         active_while_measuring = \"{active}\"\n\
+    let measured = format!(
+        "readings = \"{readings}\"\nactive_while_measuring = \"{active}\"\n\
          uncertainty = {{ angle_urad = 0, setup_ppm = 0, tilt_arcsec = 0, laser_ppm = 0, beam_mrad = 0 }}\n\
          [measurement.step_diagonal]\nstart_mm = {{ x = 10.0, y = 10.0, z = -190.0 }}\n\
          size_mm = {{ x = 380.0, y = 280.0, z = 180.0 }}\nsteps = 5\norder = \"XYZ\"\nsetup = \"assume-perfect\"\noverrun = false\n\
-         [program]\nwhat = \"step-diagonal\"\ndwell_s = 0.2\nfeed_mm_per_min = 30000\nalignment_pass = false\noverrun_mm = 0\n\
-         [compensation]\ncontroller = \"linuxcnc\"\ncontrol_unit = \"mm\"\nbacklash = \"two-tables\"\n\
-         terms = [\"EXX\", \"EYY\", \"EZZ\"]\n[acceptance]\nmax_deviation_um = 2.0\n",
-        machine.name
+         [program]\nwhat = \"step-diagonal\"\ndwell_s = 0.2\nfeed_mm_per_min = 30000\nalignment_pass = false\noverrun_mm = 0"
     );
-    job + &machine.axes_of_job([38.0, 28.0, 18.0])
+    let control = "controller = \"linuxcnc\"\ncontrol_unit = \"mm\"\nbacklash = \"two-tables\"\nterms = [\"EXX\", \"EYY\", \"EZZ\"]";
+    let job = machine.job(&measured, control, [38.0, 28.0, 18.0]);
+    job + "[acceptance]\nmax_deviation_um = 2.0\n"
 }
 
 /// The visit; returns what `verify --after` says.
@@ -95,7 +79,7 @@ pub(crate) fn visit(machine: &Machine) -> String {
         let seen = drive(&visit, machine, tables, programs.to_vec());
         let [positions, readings] =
             ["positions", "readings"].map(|name| visit.read(&format!("run/{name}.csv")));
-        Laser { machine }.fill(&positions, &readings, &seen)
+        filled(machine, &positions, &readings, &seen)
     };
     visit.put("job.toml", job(machine, "readings.csv", "none"));
     visit.yes("program job.toml -o run");
