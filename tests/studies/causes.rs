@@ -4,14 +4,13 @@
 //! a second measurement without fault names none. Plain `cargo test` injects a sixth of the faults into each machine.
 use crate::support::diagonals::{Machine, mm, volume};
 use crate::support::{
-    Lines, Random, UNCORRECTED, Visit, generate, in_parallel, job_measured, loaded, published,
-    response, short_or, term,
+    Random, UNCORRECTED, Visit, generate, in_parallel, job_measured, loaded, published, response,
+    short_or, term,
 };
 use nonius::kit::{self, Inputs, Kit};
-use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, Millimetres, Volume};
+use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, Volume};
 use nonius::read::emulate::Emulator;
 use nonius::write::plan::axis_pairs;
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Noise of both measurements, µm.
@@ -50,69 +49,46 @@ const NO_FAULT: Fault = Fault {
     warmer_k: [0.0; 3],
 };
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Second {
-    Table,
-    TableWithoutU,
-    StraightDiagonals,
-}
-
 #[derive(Clone, Copy)]
 struct Plan {
     name: &'static str,
     controller: &'static str,
     terms: &'static [&'static str],
     backlash: Option<&'static str>,
-    second: Second,
+    states_u: bool,
+    /// Whether the second measurement is one of straight diagonals.
+    by_diagonals: bool,
     seed: u64,
 }
 
-impl Plan {
-    const fn of(name: &'static str, controller: &'static str, seed: u64) -> Plan {
-        let terms = &["EXX", "EYX", "EZX", "EXY", "EYY", "EZY", "EXZ", "EYZ", "EZZ"];
-        Plan { name, controller, terms, backlash: None, second: Second::Table, seed }
-    }
-
-    const fn backlash(self, policy: &'static str) -> Plan {
-        Plan { backlash: Some(policy), ..self }
-    }
-
-    fn by_diagonals(&self) -> bool {
-        self.second == Second::StraightDiagonals
-    }
-
-    fn ways(&self) -> &'static [&'static str] {
-        if self.backlash.is_some() { &["+", "-"] } else { &[""] }
-    }
+const fn plan(name: &'static str, controller: &'static str, seed: u64) -> Plan {
+    let terms = &["EXX", "EYX", "EZX", "EXY", "EYY", "EZY", "EXZ", "EYZ", "EZZ"];
+    let (backlash, states_u, by_diagonals) = (None, true, false);
+    Plan { name, controller, terms, backlash, states_u, by_diagonals, seed }
 }
 
 const RIGS: [Plan; 7] = [
-    Plan::of("840D sl, nine terms", "siemens-840d-sl", 1),
-    Plan::of("828D, nine terms, two tables", "siemens-828d", 2).backlash("two-tables"),
-    Plan::of("30i, nine terms", "fanuc-30i", 3),
+    plan("840D sl, nine terms", "siemens-840d-sl", 1),
+    Plan {
+        backlash: Some("two-tables"),
+        ..plan("828D, nine terms, two tables", "siemens-828d", 2)
+    },
+    plan("30i, nine terms", "fanuc-30i", 3),
     Plan {
         terms: &["EXX", "EYY", "EZZ"],
-        ..Plan::of("0i-F, three terms, curve and parameter", "fanuc-0i-f", 4)
-            .backlash("curve-and-parameter")
+        backlash: Some("curve-and-parameter"),
+        ..plan("0i-F, three terms, curve and parameter", "fanuc-0i-f", 4)
     },
-    Plan::of("generic, nine terms, mean", "generic", 5).backlash("mean"),
-    Plan {
-        second: Second::TableWithoutU,
-        ..Plan::of("840D sl, U not stated", "siemens-840d-sl", 6)
-    },
-    Plan {
-        second: Second::StraightDiagonals,
-        ..Plan::of("840D sl, straight diagonals", "siemens-840d-sl", 7)
-    },
+    Plan { backlash: Some("mean"), ..plan("generic, nine terms, mean", "generic", 5) },
+    Plan { states_u: false, ..plan("840D sl, U not stated", "siemens-840d-sl", 6) },
+    Plan { by_diagonals: true, ..plan("840D sl, straight diagonals", "siemens-840d-sl", 7) },
 ];
-
-type Truth = BTreeMap<(ErrorTerm, &'static str), Lines>;
 
 struct Rig {
     plan: &'static Plan,
     inputs: Inputs,
     kit: Kit,
-    truth: Truth,
+    truth: Machine,
     job: String,
     visit: Visit,
 }
@@ -156,34 +132,28 @@ pub(super) fn error_csv<'a>(
     csv
 }
 
-/// A wavy curve with a slope, and its reversal.
-fn curve(random: &mut Random, size: f64, (low, high): (f64, f64), reversal: f64) -> Lines {
-    let length = high - low;
+/// A wavy curve with a slope.
+fn curve(random: &mut Random, size: f64, places: Vec<Millimetres>) -> Vec<f64> {
+    let (low, high) = (places[0].mm(), places[places.len() - 1].mm());
     let (a, b, slope) =
         (random.between(4.0, 7.0), random.between(1.5, 3.0), random.between(-14.0, 14.0));
     let (p, q) = (random.between(0.0, 6.2), random.between(0.0, 6.2));
-    let mm: Vec<f64> = (0..=30).map(|i| low + length * f64::from(i) / 30.0).collect();
     let wave = |x: f64| {
-        let t = (x - low) / length * std::f64::consts::TAU;
+        let t = (x - low) / (high - low) * std::f64::consts::TAU;
         size * (a * (1.6 * t + p).sin() + b * (3.7 * t + q).sin() + slope * (x - low) / 1000.0)
-            + reversal
     };
-    let um = mm.iter().map(|x| wave(*x)).collect();
-    Lines { mm, um }
+    places.iter().map(|at| wave(at.mm())).collect()
 }
 
 fn rig(plan: &'static Plan) -> Rig {
     let mut random = Random::new(plan.seed);
-    let mut truth = Truth::new();
+    let volume = Volume { start: mm(0.0, 0.0, -480.0), ..volume([900.0, 600.0, 480.0], 30) };
+    let mut truth = Machine::perfect(&volume);
+    truth.lost_um = PerAxis::from_fn(|_| if plan.backlash.is_some() { -6.0 } else { 0.0 });
     for term in plan.terms.iter().map(|name| term(name)) {
-        let (_, low, high) = TRAVELS[term.along as usize];
-        let own = random.below(1_000_000) as u64;
+        let mut own = Random::new(random.below(1_000_000) as u64);
         let size = if term.is_positioning() { 1.0 } else { 0.5 };
-        for way in plan.ways() {
-            let reversal = if *way == "-" && term.is_positioning() { 6.0 } else { 0.0 };
-            let curve = curve(&mut Random::new(own), size, (low, high), reversal);
-            truth.insert((term, *way), curve);
-        }
+        truth.curves[term] = curve(&mut own, size, volume.positions(term.along));
     }
     let job = job_of(plan);
     let errors = table(plan, &truth, |_, _, _, um| um + NOISE_UM * gauss(&mut random));
@@ -193,9 +163,9 @@ fn rig(plan: &'static Plan) -> Rig {
 }
 
 fn job_of(plan: &Plan) -> String {
-    let noise = match plan.second {
-        Second::TableWithoutU => String::new(),
-        _ => format!("[measurement.uncertainty]\nnoise_um = {NOISE_UM}\n"),
+    let noise = match plan.states_u {
+        true => format!("[measurement.uncertainty]\nnoise_um = {NOISE_UM}\n"),
+        false => String::new(),
     };
     let policy = plan.backlash.map(|policy| format!("backlash = \"{policy}\"\n"));
     let control = format!("controller = \"{}\"\n{}", plan.controller, policy.unwrap_or_default());
@@ -207,24 +177,26 @@ fn job_of(plan: &Plan) -> String {
 /// An error table; `value` gets term, direction, position and the true deviation.
 fn table(
     plan: &Plan,
-    truth: &Truth,
-    mut value: impl FnMut(ErrorTerm, &str, f64, f64) -> f64,
+    truth: &Machine,
+    mut value: impl FnMut(ErrorTerm, Direction, f64, f64) -> f64,
 ) -> String {
+    let ways = match plan.backlash {
+        Some(_) => &[(Direction::Plus, "+"), (Direction::Minus, "-")][..],
+        None => &[(Direction::Plus, "")],
+    };
+    let ways = Axis::ALL.into_iter().flat_map(|along| ways.iter().map(move |way| (along, *way)));
     let mut rows = Vec::new();
-    for (along, way) in
-        Axis::ALL.into_iter().flat_map(|axis| plan.ways().iter().map(move |way| (axis, *way)))
-    {
-        let lines = Axis::ALL.map(|of| truth.get(&(ErrorTerm { of, along }, way)));
-        let measured = lines.into_iter().flatten().next();
-        for x in measured.iter().flat_map(|lines| &lines.mm) {
+    for (along, (way, sign)) in ways {
+        for (index, at) in truth.volume.positions(along).iter().enumerate() {
             let um = Axis::ALL.map(|of| {
-                let lines = lines[of as usize]?;
-                Some(value(ErrorTerm { of, along }, way, *x, lines.at(*x)))
+                let term = ErrorTerm { of, along };
+                let is_measured = plan.terms.contains(&term.to_string().as_str());
+                is_measured.then(|| value(term, way, at.mm(), truth.directed(term, way)[index]))
             });
-            rows.push((along.key(), way, *x, um));
+            rows.push((along.key(), sign, at.mm(), um));
         }
     }
-    error_csv(rows, (plan.second != Second::TableWithoutU).then_some(NOISE_UM))
+    error_csv(rows, plan.states_u.then_some(NOISE_UM))
 }
 
 /// The control with a fault of its backlash parameters.
@@ -269,13 +241,17 @@ fn acts(
 /// The second measurement with a fault; the name of its file.
 fn measure_again(rig: &Rig, fault: Fault, random: &mut Random) -> &'static str {
     let control = control(rig, fault);
-    let left = |term: ErrorTerm, way: &str, x: f64, um: f64| {
-        let direction = Direction::from_symbol(way).unwrap_or(Direction::Plus);
-        um + acts(rig, control.as_ref(), fault, term, direction, x)
-    };
-    if rig.plan.by_diagonals() {
-        let at = |term: ErrorTerm, x: f64| left(term, "", x, rig.truth[&(term, "")].at(x));
-        rig.visit.put("after.csv", readings(rig, at, random));
+    let left = |term, way, x, um| um + acts(rig, control.as_ref(), fault, term, way, x);
+    if rig.plan.by_diagonals {
+        let mut machine = rig.truth.clone();
+        for term in ErrorTerm::ALL {
+            for (um, at) in
+                machine.curves[term].iter_mut().zip(machine.volume.positions(term.along))
+            {
+                *um = left(term, Direction::Plus, at.mm(), *um);
+            }
+        }
+        rig.visit.put("after.csv", readings(&machine, random));
         let straight = rig.job.replacen(&format!("{FIRST}{UNCORRECTED}\n"), STRAIGHT, 1);
         rig.visit.put("after.toml", straight);
         return "after.toml";
@@ -291,14 +267,7 @@ const FIRST: &str = "errors = \"errors.csv\"\n";
 const STRAIGHT: &str = "readings = \"after.csv\"\n[measurement.step_diagonal]\nkind = \"straight\"
 start_mm = { x = 0.0, y = 0.0, z = -480.0 }\nsize_mm = { x = 900.0, y = 600.0, z = 480.0 }\nsteps = 30\n";
 
-fn readings(rig: &Rig, left: impl Fn(ErrorTerm, f64) -> f64, random: &mut Random) -> String {
-    assert_eq!(rig.truth.len(), 9);
-    let volume = Volume { start: mm(0.0, 0.0, -480.0), ..volume([900.0, 600.0, 480.0], 30) };
-    let mut machine = Machine::perfect(&volume);
-    for term in ErrorTerm::ALL {
-        let places = volume.positions(term.along).into_iter();
-        machine.curves[term] = places.map(|at| left(term, at.mm())).collect();
-    }
+fn readings(machine: &Machine, random: &mut Random) -> String {
     let (readings, mut csv) = (machine.readings(None), "diagonal,node,deviation_um\n".to_string());
     for diagonal in Diagonal::ALL {
         for (node, um) in readings[diagonal].iter().step_by(3).enumerate() {
@@ -337,13 +306,13 @@ fn faults(rig: &Rig) -> Vec<Fault> {
     list.push(wrong_axis(|t| renamed(t, [Y, X, Z])));
     list.push(wrong_axis(|t| renamed(t, [Z, X, Y])));
     list.extend([[1.5; 3], [3.0; 3], [2.5, 0.0, 0.0], [1.0, -2.0, 3.0]].map(warmer));
-    if rig.truth.len() >= 9 {
+    if rig.plan.terms.len() >= 9 {
         list.push(times("sign turned", -1.0, ErrorTerm::is_cross));
         list.push(times("not active", 0.0, ErrorTerm::is_cross));
         list.push(wrong_axis(|t| ErrorTerm { of: t.along, along: t.of }));
         list.push(wrong_axis(|t| if t.along == X { renamed(t, [X, Z, Y]) } else { t }));
     }
-    if rig.plan.by_diagonals() {
+    if rig.plan.by_diagonals {
         // Readings of ten millimetres are refused before they are compared.
         list.retain(|fault| fault.times < 1000.0);
     }
@@ -380,9 +349,9 @@ struct Outcome {
 fn outcomes(plan: &'static Plan) -> Vec<Outcome> {
     let rig = rig(plan);
     let mut random = Random::new(1000 + plan.seed);
-    let draws = match plan.second {
-        Second::StraightDiagonals => 4 * 30,
-        _ => rig.truth.values().map(|lines| lines.mm.len()).sum(),
+    let draws = match plan.by_diagonals {
+        true => 4 * 30,
+        false => plan.terms.len() * 31 * if plan.backlash.is_some() { 2 } else { 1 },
     };
     let all = faults(&rig).into_iter().enumerate().map(|(index, fault)| {
         if short_or(index % 6 == plan.seed as usize % 6, true) {
@@ -451,7 +420,7 @@ fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
     let mut wrong = String::new();
     for Outcome { plan, fault, named, words, verdict, decides } in &outcomes {
         let found = named.iter().any(|named| named == fault.kind);
-        let small = named.len() <= if plan.by_diagonals() { 9 } else { 3 };
+        let small = named.len() <= if plan.by_diagonals { 9 } else { 3 };
         let decided = *decides || ["no fault", "unknown"].contains(&fault.kind);
         if !(found && small && decided) {
             writeln!(wrong, "{}: {fault:?} → {named:?} ({verdict}) {words:#?}", plan.name).unwrap();
@@ -459,7 +428,7 @@ fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
     }
     assert!(wrong.is_empty(), "{wrong}");
     let sizes: Vec<usize> =
-        faults.filter(|o| !o.plan.by_diagonals()).map(|o| o.named.len()).collect();
+        faults.filter(|o| !o.plan.by_diagonals).map(|o| o.named.len()).collect();
     let mean = sizes.iter().sum::<usize>() as f64 / sizes.len() as f64;
     assert!(mean < 1.6, "sets of {mean} kinds on average");
     let table = confusion(&outcomes);

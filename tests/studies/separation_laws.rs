@@ -198,9 +198,14 @@ proptest! {
         let mut random = seeded(seed ^ 4);
         let minus = Machine::random(&machine.volume, &mut random);
         // A pass moves some axes in + and others in -: both machines' curves, each where it moves.
-        let mixed = |pass: Pass| mixture(&machine, &minus, pass);
-        let mut all = runs(1, Pass::Forward, &mixed(Pass::Forward));
-        all.extend(runs(1, Pass::Reverse, &mixed(Pass::Reverse)));
+        let mut both = machine.clone();
+        for term in ErrorTerm::ALL {
+            let pairs = || machine.curves[term].iter().zip(&minus.curves[term]);
+            both.curves[term] = pairs().map(|(plus, minus)| (plus + minus) / 2.0).collect();
+            both.apart_um[term] = pairs().map(|(plus, minus)| plus - minus).collect();
+        }
+        let mut all = forward(&both);
+        all.extend(runs(1, Pass::Reverse, &both.readings(Some(true))));
         let mut stated = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
         stated.overrun = Some(true);
         let found = separate(&simulated::campaign(&stated, Vec::new()), &all);
@@ -215,19 +220,6 @@ proptest! {
         }
         prop_assert!(words(&found.undetermined).iter().any(|words| words.contains("reversal of each axis")));
     }
-}
-
-/// Readings of a machine whose axes have the curves of `plus` moving in +, of `minus` moving in −.
-fn mixture(plus: &Machine, minus: &Machine, pass: Pass) -> PerDiagonal<Vec<f64>> {
-    PerDiagonal::from_fn(|d| {
-        let mut machine = plus.clone();
-        for term in ErrorTerm::ALL {
-            if d.travelled(term.along, pass) == Direction::Minus {
-                machine.curves[term] = minus.curves[term].clone();
-            }
-        }
-        machine.readings(None)[d].clone()
-    })
 }
 
 #[test]
