@@ -1,8 +1,7 @@
 //! Laws of the separation, on machines that the test simulates with arithmetic of its own.
-use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, close, curve, largest, measurement, mm, naive, normal, runs, seeded, solved,
-    squareness_error, volume, with_noise,
+    Machine, box_of, campaign, close, curve, dot, largest, measurement, mm, naive, normal, own,
+    runs, seeded, solved, squareness_error, with_noise,
 };
 use crate::support::{error_table, short_or, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
@@ -14,15 +13,21 @@ use nonius::quantity::{
     Rotation, Run, Volume,
 };
 use proptest::prelude::*;
+use std::fmt::Display;
 
 /// Sums of a few hundred readings of up to a millimetre.
 const DUST_UM: f64 = 1e-8;
 
+fn all_close(found: &[f64], wanted: &[f64], tolerance: f64, what: impl Display) {
+    assert_eq!(found.len(), wanted.len(), "{what}");
+    for (index, (found, wanted)) in found.iter().zip(wanted).enumerate() {
+        close(*found, *wanted, tolerance, format_args!("{what} {index}"));
+    }
+}
+
 fn curves_close(separation: &Separation, wanted: &PerTerm<Vec<f64>>, tolerance: f64) {
     for term in ErrorTerm::ALL {
-        for (index, (a, b)) in curve(separation, term).iter().zip(&wanted[term]).enumerate() {
-            close(*a, *b, tolerance, format!("{term} {index}"));
-        }
+        all_close(curve(separation, term), &wanted[term], tolerance, term);
     }
 }
 
@@ -50,6 +55,10 @@ fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
         let mut random = seeded(seed);
         (Machine::random(&volume, &mut random), seed)
     })
+}
+
+fn directed() -> impl Iterator<Item = (ErrorTerm, Direction)> {
+    ErrorTerm::ALL.into_iter().flat_map(|term| Direction::BOTH.map(|way| (term, way)))
 }
 
 /// X becomes Y, Y becomes Z, Z becomes X.
@@ -85,14 +94,13 @@ proptest! {
 
     #[test]
     fn the_result_is_linear_in_the_readings((machine, seed) in any_machine(), a in -3.0..3.0f64, b in -3.0..3.0f64) {
-        let volume = &machine.volume;
         let mut random = seeded(seed ^ 1);
         let first = with_noise(&machine.readings(None), 2.0, &mut random);
         let second = with_noise(&machine.readings(None), 2.0, &mut random);
         let sum = PerDiagonal::from_fn(|d| {
             first[d].iter().zip(&second[d]).map(|(x, y)| a * x + b * y).collect()
         });
-        let [first, second, sum] = [first, second, sum].map(|r| naive(volume, &runs(1, Pass::Forward, &r)));
+        let [first, second, sum] = [first, second, sum].map(|r| naive(&machine.volume, &runs(1, Pass::Forward, &r)));
         let wanted = PerTerm::from_fn(|term| {
             let pairs = curve(&first, term).iter().zip(curve(&second, term));
             pairs.map(|(x, y)| a * x + b * y).collect::<Vec<f64>>()
@@ -147,7 +155,7 @@ proptest! {
             for d in Diagonal::ALL {
                 let tilt = found.tilts.unwrap()[d];
                 close(tilt.arcsec, size.to_degrees() * 3600.0, 0.05 * gain * gain, "arcsec");
-                let same = simulated::dot(&tilt.direction, &leant.lean[d]) / size;
+                let same = dot(&tilt.direction, &leant.lean[d]) / size;
                 prop_assert!(same > 1.0 - 1e-5 * (5e-4 / size).powi(2) * gain.powi(4), "direction: {same}");
             }
         }
@@ -167,29 +175,25 @@ proptest! {
         let mut given = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
         // A zero of its own tells nothing; two steps leave no interval to know the noise from.
         given.overrun = (own_zero || machine.volume.steps < 3).then_some(false);
-        let mut campaign = simulated::campaign(&given, Vec::new());
+        let mut campaign = campaign(&given, Vec::new());
         campaign.reverse_zero_known = !own_zero;
         let found = separate(&campaign, &all);
         prop_assert!(found.closure.outliers.is_empty());
         prop_assert_eq!(found.overrun, Some(false));
         let turn = found.turn.as_ref().unwrap();
-        let [plus, minus] = found.errors.directed.as_ref().unwrap();
         for axis in Axis::ALL {
             let lost = machine.lost_um[axis];
             for d in Diagonal::ALL {
                 close(turn.by_diagonal[d][axis].um, lost, DUST_UM, format!("{d} {axis}"));
             }
             for of in Axis::ALL {
-                let wanted = if of == axis { lost } else { 0.0 };
                 let term = ErrorTerm { of, along: axis };
-                close(turn.reversal[term].um, wanted, DUST_UM, term);
-                let minus = &minus[term].as_ref().unwrap().deviation_um;
-                let plus = &plus[term].as_ref().unwrap().deviation_um;
-                for (index, truth) in machine.curves[term].iter().enumerate() {
-                    close(plus[index], *truth, DUST_UM, format!("{term} +"));
-                    close(minus[index], truth - wanted, DUST_UM, format!("{term} -"));
-                }
+                close(turn.reversal[term].um, if of == axis { lost } else { 0.0 }, DUST_UM, term);
             }
+        }
+        for (term, way) in directed() {
+            let found = &found.errors.directed(way).unwrap()[term].as_ref().unwrap().deviation_um;
+            all_close(found, &machine.directed(term, way), DUST_UM, format!("{term} {way}"));
         }
     }
 
@@ -208,15 +212,12 @@ proptest! {
         all.extend(runs(1, Pass::Reverse, &both.readings(Some(true))));
         let mut stated = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
         stated.overrun = Some(true);
-        let found = separate(&simulated::campaign(&stated, Vec::new()), &all);
-        for (direction, truth) in [(Direction::Plus, &machine), (Direction::Minus, &minus)] {
-            for term in ErrorTerm::ALL {
-                let found = &found.errors.directed(direction).unwrap()[term].as_ref().unwrap().deviation_um;
-                // The mean slope of both is put back; assume-perfect leaves it as it is.
-                for (a, b) in found.iter().zip(&truth.curves[term]) {
-                    close(*a, *b, DUST_UM, format!("{term} {direction:?}"));
-                }
-            }
+        let found = separate(&campaign(&stated, Vec::new()), &all);
+        // The mean slope of both is put back; assume-perfect leaves it as it is.
+        for (term, way) in directed() {
+            let truth = if way == Direction::Plus { &machine } else { &minus };
+            let found = &found.errors.directed(way).unwrap()[term].as_ref().unwrap().deviation_um;
+            all_close(found, &truth.curves[term], DUST_UM, format!("{term} {way}"));
         }
         prop_assert!(words(&found.undetermined).iter().any(|words| words.contains("reversal of each axis")));
     }
@@ -225,7 +226,7 @@ proptest! {
 #[test]
 fn rank_and_words_follow_the_linear_axes() {
     let mut random = seeded(5);
-    let machine = Machine::random(&volume([900.0, 720.0, 720.0], 12), &mut random).x_primary();
+    let machine = Machine::random(&box_of(12), &mut random).x_primary();
     let runs = forward(&machine);
     let cases: [(&[Axis], usize, &str); 3] = [
         (&[], 4, "scale of X, Y and Z can be traded"),
@@ -243,27 +244,23 @@ fn rank_and_words_follow_the_linear_axes() {
         assert_eq!(found.tilts.is_some(), rank == 6);
         for axis in Axis::ALL {
             let known = rank == 6 || axes.contains(&axis);
-            let term = ErrorTerm { of: axis, along: axis };
-            assert_eq!(found.errors.mean[term].is_some(), known, "{term}");
+            assert_eq!(found.errors.mean[own(axis)].is_some(), known, "{axis}");
         }
         for plane in Plane::ALL {
             close(squareness_error(&machine, &found, plane), 0.0, 0.002, plane.key());
         }
         for term in ErrorTerm::ALL {
-            let slope = machine.slope(term);
-            let last = machine.volume.steps;
-            for (index, shape) in found.shapes[term].iter().enumerate() {
-                let line = slope * machine.volume.along_mm(term.along, index) / 1000.0;
-                close(*shape, machine.curves[term][index] - line, DUST_UM, term);
-            }
-            close(found.shapes[term][last], 0.0, DUST_UM, term);
+            let at = |index| machine.volume.along_mm(term.along, index) / 1000.0;
+            let curve = machine.curves[term].iter().enumerate();
+            let beside = curve.map(|(index, um)| um - machine.slope(term) * at(index));
+            all_close(&found.shapes[term], &beside.collect::<Vec<_>>(), DUST_UM, term);
         }
     }
 }
 
 #[test]
 fn a_disturbed_reading_is_named_with_its_twins() {
-    let volume = volume([900.0, 720.0, 720.0], 30);
+    let volume = box_of(30);
     for seed in 0..24 {
         let mut random = seeded(seed);
         let machine = Machine::random(&volume, &mut random);
@@ -309,7 +306,7 @@ fn false_bows(
 /// and order of the axes.
 #[test]
 fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
-    let volume = volume([900.0, 720.0, 720.0], 30);
+    let volume = box_of(30);
     let yaw = Rotation { about: Axis::Z, along: Axis::X };
     let straightness = ErrorTerm::from_name("EYX").unwrap();
     for (mirror, wanted) in [(Reflector::Retroreflector, 0.1125), (Reflector::FlatMirror, 0.225)] {
