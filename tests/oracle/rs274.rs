@@ -190,7 +190,6 @@ fn real_programs_go_where_linuxcnc_goes() {
     assert!(unexpected.is_empty(), "{}", unexpected.join("\n"));
 }
 
-/// Programs of our own: cycles, subprograms, offsets, variables.
 #[test]
 fn own_programs_go_where_linuxcnc_goes() {
     if !is_installed("rs274") {

@@ -97,7 +97,6 @@ impl Trial {
         self.visit.put(&format!("{name}.toml"), text);
     }
 
-    /// Noise of a mean, µm.
     fn mean_um(&self, of: &Series) -> f64 {
         self.noise_um / f64::from(of.runs).sqrt()
     }

@@ -278,7 +278,6 @@ fn readings(machine: &Machine, random: &mut Random) -> String {
     csv
 }
 
-/// The faults that a rig can have.
 fn faults(rig: &Rig) -> Vec<Fault> {
     use Axis::{X, Y, Z};
     type Which = fn(ErrorTerm) -> bool;
@@ -386,7 +385,6 @@ fn outcome(rig: &Rig, fault: Fault, file: &str) -> Outcome {
     Outcome { plan: rig.plan, fault, named, words, verdict, decides }
 }
 
-/// The kinds in the order of the page.
 const KINDS: &str = "no fault | sign turned | not active | applied twice | wrong unit | other factor | shifted | wrong axis | directions exchanged | backlash twice | backlash not | temperature | measurement turned | unknown";
 
 /// Of each injected kind, in how many runs it was named, and what was named as well.

@@ -1,9 +1,5 @@
 //! Whether U = k·u holds the true value as often as it says, on simulated machines.
-use crate::support::diagonals::{
-    self as simulated, Machine, SIGMA_UM, Share, U_LINE_UM_PER_M, box_of, curve, float, mean,
-    noisy_lines, normal, own, runs, seeded, squareness_off, stretched, visit_runs, volume,
-    with_noise,
-};
+use crate::support::diagonals::*;
 use crate::support::{in_parallel, is_held, may_be, short_or};
 use nonius::inputs::job::{
     AxisMaterial, DiagonalMeasurement, Frame, Material, SetUp, StatedUncertainty,
@@ -99,9 +95,9 @@ fn again(
     leant.lean_randomly(1e-4, random);
     let all = visit_runs(|back| leant.readings(back), way.back, way.repeats, SIGMA_UM, random);
     let lines = noisy_lines(truth, way.axes, U_LINE_UM_PER_M, random);
-    let solved = simulated::measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
+    let solved = measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
     let measurement = DiagonalMeasurement { overrun, ..solved };
-    separate(&simulated::campaign(&measurement, lines), &all)
+    separate(&campaign(&measurement, lines), &all)
 }
 
 fn count_curve(tally: &mut Tally, name: &str, truth: &[f64], found: &SeparatedError) {
@@ -300,11 +296,11 @@ fn with_stated_causes(seed: u64, setup: SetUp) -> (Machine, Separation) {
         line.slope_um_per_m += STATED.setup_ppm.unwrap() * normal(&mut random);
     };
     lines.iter_mut().for_each(of_line);
-    let mut measurement = simulated::measurement(&box_, setup, Frame::XPrimary);
+    let mut measurement = measurement(&box_, setup, Frame::XPrimary);
     let axis = AxisMaterial { alpha_per_k: ALPHA_PER_K, temperature_c: Some(20.0 + WARM_K) };
     let axes = PerAxis::from_fn(|_| Some(axis));
     measurement.material = Some(Material { material_corrected: true, air_corrected: true, axes });
-    let mut campaign = simulated::campaign(&measurement, lines);
+    let mut campaign = campaign(&measurement, lines);
     campaign.stated = STATED;
     (truth, separate(&campaign, &runs(1, Pass::Forward, &noisy)))
 }
@@ -335,14 +331,14 @@ fn stated_causes_go_through_the_solution() {
 #[test]
 fn the_noise_of_the_rotation_is_covered_as_measured() {
     let box_ = volume([900.0, 720.0, 500.0], 20);
-    let measurement = simulated::measurement(&box_, SetUp::Solve, Frame::AsMeasured);
+    let measurement = measurement(&box_, SetUp::Solve, Frame::AsMeasured);
     let mut tally = Tally::default();
     for seed in seeds() {
         let mut random = seeded(seed);
         let truth = Machine::random(&box_, &mut random);
         let noisy = with_noise(&truth.readings(None), SIGMA_UM, &mut random);
         let lines = truth.lines(TWO_AXES, Some(1e-3));
-        let campaign = simulated::campaign(&measurement, lines);
+        let campaign = campaign(&measurement, lines);
         let found = separate(&campaign, &runs(1, Pass::Forward, &noisy));
         for term in ErrorTerm::ALL {
             let expanded = mean(&found, term).expanded_um(20).unwrap();

@@ -2,10 +2,7 @@
 //! nothing disturbs. Exact geometry of the test's own: rigid axes with levers, a mirror that turns with the tool, a beam that
 //! misses the mirror's normal. The truth is that of the lines through the middle of the box.
 use super::coverage::{LOST_UM, Tally, count};
-use crate::support::diagonals::{
-    self as simulated, Machine, SIGMA_UM, Share, U_LINE_UM_PER_M, box_of, curve, dot, exact, float,
-    mean, noisy_lines, normal, runs, seeded, squareness_error, squareness_off, visit_runs, volume,
-};
+use crate::support::diagonals::*;
 use crate::support::{is_held, is_whole, markdown, published, scatter, share};
 use nonius::inputs::job::{Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
@@ -231,8 +228,8 @@ fn separated(
     missing: Option<Rotation>,
     runs: &[Run],
 ) -> Separation {
-    let measurement = simulated::measurement(volume, SetUp::Solve, Frame::XPrimary);
-    let mut campaign = simulated::campaign(&measurement, lines);
+    let measurement = measurement(volume, SetUp::Solve, Frame::XPrimary);
+    let mut campaign = campaign(&measurement, lines);
     campaign.angles = AngleEffects::unmeasured(Some(Chain::parse("wXYZt").unwrap()));
     if let Some(rotation) = missing {
         campaign.angles.evidence.missing = vec![rotation];

@@ -1,8 +1,6 @@
 //! Diagonals under each other's name and steps in another order: what `separate` finds of them, how
 //! often it accuses sound readings, and whether it says what it would hardly find.
-use crate::support::diagonals::{
-    Machine, SIGMA_UM, U_LINE_UM_PER_M, box_of, float, noisy_lines, seeded, solved, visit_runs,
-};
+use crate::support::diagonals::*;
 use crate::support::{in_parallel, is_held, is_whole, markdown, published, share, words};
 use nonius::machine::separation::Separation;
 use nonius::quantity::{Axis, Diagonal, ErrorTerm, PerDiagonal};
@@ -166,7 +164,6 @@ fn outcome(way: Way, machines: u64) -> Outcome {
     outcome
 }
 
-/// By way: slips that were named, and that were silent by kind, and with power.
 fn row((way, outcome): &(Way, Outcome)) -> String {
     let (right, of) = (outcome.right, |(some, all): (usize, usize)| format!("{some}/{all}"));
     let named = of(outcome.count(|_| true, |slip| slip.is_named));
@@ -177,7 +174,6 @@ fn row((way, outcome): &(Way, Outcome)) -> String {
     [way.name, &named, &silent.join(" | "), &sure, &accused, &carrying].join(" | ")
 }
 
-/// What is said of silent slips, and of right readings of other machines.
 fn told(outcomes: &[(Way, Outcome)], even: &[(Wavy, usize)], machines: u64) -> String {
     let all = || outcomes.iter().flat_map(|(_, outcome)| &outcome.slips);
     let silent = all().filter(|slip| slip.is_silent).count();

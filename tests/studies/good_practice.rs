@@ -126,7 +126,6 @@ struct Session {
     ends_h: f64,
 }
 
-/// What drifts while the machine warms up.
 struct Drift {
     scale_ppm: PerAxis<f64>,
     offset_um: PerAxis<f64>,
@@ -454,7 +453,6 @@ fn visits_of_good_practice_pass_as_a_dense_estimator_says() {
     }
 }
 
-/// So many visits of a row under one limit, as the table says it.
 fn under_limit(row: &Row, (limit, wanted): &Limit, dense: &Dense, many: u64) -> String {
     let visits = in_parallel(0..many, |seed| visited(row, *limit, dense, SEED + seed));
     for Visited { at_most: [own, ideal], apart, .. } in &visits {

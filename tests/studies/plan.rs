@@ -1,9 +1,6 @@
 //! `nonius plan`: its U against simulated visits, each with a machine, mirrors, noise and lasers of its own, and against
 //! the U of the readings; what its page says.
-use crate::support::diagonals::{
-    self as simulated, Machine, Share, curve, float, normal, own, seeded, squareness_error,
-    stretched, visit_runs, volume,
-};
+use crate::support::diagonals::*;
 use crate::support::visit::{self};
 use crate::support::{
     fixture, is_held, is_whole, markdown, published, scatter, share, short_or, shown, source,
@@ -137,9 +134,9 @@ fn measured(
         MeasuredLine { slope_um_per_m, ..*line }
     };
     let lines = planned.lines.iter().map(line).collect();
-    let mut measurement = simulated::measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
+    let mut measurement = measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
     measurement.overrun = over;
-    let mut campaign = simulated::campaign(&measurement, lines);
+    let mut campaign = campaign(&measurement, lines);
     campaign.stated = job.measurement.uncertainty;
     // An axis that is measured by itself is measured in five runs in both directions at every target.
     let u_um = (2.0 / 5.0_f64).sqrt() * row.noise.0;

@@ -1,8 +1,5 @@
 //! Laws of the separation, on machines that the test simulates with arithmetic of its own.
-use crate::support::diagonals::{
-    Machine, box_of, campaign, close, curve, dot, largest, measurement, mm, naive, normal, own,
-    runs, seeded, solved, squareness_error, with_noise,
-};
+use crate::support::diagonals::*;
 use crate::support::{error_table, short_or, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::AngleEffects;

@@ -38,7 +38,6 @@ pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForeca
     assert_eq!(forecast.compensated, case.is_compensated(name), "{name}");
 }
 
-/// Body diagonals of the forecast against walks of the test's own.
 pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
     let machine = case.machine;
     if machine.terms.len() < 9 {

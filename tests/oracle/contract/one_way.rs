@@ -33,7 +33,6 @@ pub(crate) fn cancels(
     doubled
 }
 
-/// What one output axis gets while the moving axis travels one way.
 struct OneWay<'a> {
     case: &'a Case<'a>,
     term: &'a Term,
@@ -78,7 +77,6 @@ impl<'a> OneWay<'a> {
         }
     }
 
-    /// Something lies this near.
     #[track_caller]
     fn near(&self, what: Arguments<'_>, off: f64, room: f64) {
         let OneWay { term, direction, output, .. } = self;

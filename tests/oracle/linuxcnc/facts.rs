@@ -104,7 +104,6 @@ pub(crate) fn rows_order_and_small_steps() {
     assert!(!messages.contains("joint 0"), "{messages}");
 }
 
-/// A file that is not there keeps the control from starting.
 pub(crate) fn missing_file() {
     let joints = ["COMP_FILE = none.comp", "", ""].map(Into::into);
     is_refused(&Setup { joints, ..bare(THERE_AND_BACK) }, "can't open compensation file");

@@ -116,7 +116,6 @@ impl Case {
         seen.cycles[0].iter().map(in_mm).collect()
     }
 
-    /// What is left of every compensated term and along the diagonals, against what the kit says of them.
     fn against_forecast(&self, kit: &Kit, cycles: &[Cycle], seen: &mut Seen) {
         let machine = &self.machine;
         for of in kit.forecast.terms.iter().filter(|of| of.compensated) {

@@ -55,7 +55,6 @@ impl Machine {
         job_measured(measurement, compensation, axes)
     }
 
-    /// The rows of an error table with `points` positions of each axis, both directions.
     pub(crate) fn error_table(&self, points: usize) -> String {
         let mut rows = String::from("axis,position_mm,direction,ex_um,ey_um,ez_um\n");
         for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
