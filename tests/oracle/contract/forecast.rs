@@ -44,39 +44,36 @@ pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
         assert!(case.kit.forecast.diagonals.is_empty());
         return;
     }
-    let corner = |axis: Axis| {
+    let ends = Axis::ALL.map(|axis| {
         let terms = machine.terms.iter().filter(|t| t.term.along == axis);
         let errors = terms.flat_map(|t| Direction::BOTH.map(|way| t.errors(way)));
-        let ranges = errors.flatten().map(Errors::range);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let ranges = errors.flatten().map(Errors::range);
         ranges.fold(all, |(l, h), (low, high)| (l.max(low), h.min(high)))
-    };
-    let ends = Axis::ALL.map(corner);
+    });
     let length = ends.iter().map(|(l, h)| (h - l) * (h - l)).sum::<f64>().sqrt();
-    let place = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
     for diagonal in &case.kit.forecast.diagonals {
-        let sign = |letter| if letter == 'P' { 1.0 } else { -1.0 };
-        let signs: Vec<f64> = diagonal.diagonal.name().chars().map(sign).collect();
+        let is_up: Vec<bool> = diagonal.diagonal.name().chars().map(|of| of == 'P').collect();
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for reverse in [false, true] {
-            // Of every term: cosine, its place, and the response in the direction of the walk.
             let on_walk = |term: &'a Term| {
-                let own = term.term;
-                let (of, along) = (place(own.of), place(own.along));
-                let plus = (signs[along] > 0.0) != reverse;
-                let direction = if plus { Direction::Plus } else { Direction::Minus };
+                let [of, along] = [term.term.of, term.term.along].map(|axis| axis as usize);
+                let is_plus = is_up[along] != reverse;
+                let direction = if is_plus { Direction::Plus } else { Direction::Minus };
                 term.errors(direction)?;
-                let (base, output) = machine.pairs(own)[0];
-                let cosine = signs[of] * (ends[of].1 - ends[of].0) / length;
+                let (base, output) = machine.pairs(term.term)[0];
+                let (low, high) = ends[along];
+                let (from, to) = if is_up[along] { (low, high) } else { (high, low) };
+                let side = (ends[of].1 - ends[of].0) / length;
+                let cosine = if is_up[of] { side } else { -side };
                 let response = support::response(case.control, base, output, direction);
-                Some((term, direction, along, cosine, response))
+                Some(OnWalk { term, direction, from, to, cosine, response })
             };
             let walk: Vec<OnWalk<'_>> = machine.terms.iter().filter_map(on_walk).collect();
-            for t in steps_of_walk(case, &walk, &ends, &signs) {
+            for t in steps_of_walk(case, &walk) {
                 let mut sums = [0.0; 2];
-                for (term, direction, along, cosine, response) in &walk {
-                    let travelled = if signs[*along] > 0.0 { t } else { 1.0 - t };
-                    let x = ends[*along].0 + travelled * (ends[*along].1 - ends[*along].0);
+                for OnWalk { term, direction, from, to, cosine, response } in &walk {
+                    let x = from + t * (to - from);
                     let deviation = term.deviation(*direction, x);
                     sums[0] += cosine * deviation;
                     sums[1] += cosine * (deviation + um_at(response, x));
@@ -86,40 +83,37 @@ pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
                 }
             }
         }
-        let seen = extent.map(|[low, high]| high - low);
         let said = [diagonal.change.before_um, diagonal.change.after_um];
-        for (said, seen) in said.iter().zip(seen) {
+        for (said, [low, high]) in said.iter().zip(extent) {
             // The top of a cubic lies between two steps.
             let is_linear = machine.kind == Interpolation::Linear;
             let near = if is_linear { 1e-3 } else { 0.05 * said + 0.02 };
-            let is_near = (seen - DUST_UM..=seen + near).contains(said);
-            assert!(is_near, "{}: said {said}, seen {seen}", diagonal.diagonal);
+            let is_near = (high - low - DUST_UM..=high - low + near).contains(said);
+            assert!(is_near, "{}: said {said}, seen {}", diagonal.diagonal, high - low);
         }
     }
 }
 
-/// One term on a walk along a diagonal: its direction, moving axis, cosine, and what it gets.
-type OnWalk<'a> = (&'a Term, Direction, usize, f64, Response);
+/// One term on a walk along a diagonal: where its moving axis begins and ends, and what it gets.
+struct OnWalk<'a> {
+    term: &'a Term,
+    direction: Direction,
+    from: f64,
+    to: f64,
+    cosine: f64,
+    response: Response,
+}
 
 /// Beside every bend and jump and between them; never exactly where axes jump together, for
 /// which of them is first there is rounding.
-fn steps_of_walk(
-    case: &Case<'_>,
-    walk: &[OnWalk<'_>],
-    ends: &[(f64, f64); 3],
-    signs: &[f64],
-) -> Vec<f64> {
+fn steps_of_walk(case: &Case<'_>, walk: &[OnWalk<'_>]) -> Vec<f64> {
     let mut breaks = vec![0.0, 1.0];
-    for (term, _, along, _, response) in walk {
-        let (low, high) = ends[*along];
+    for OnWalk { term, from, to, response, .. } in walk {
         let (bends, jumps) = match response.tables().first() {
             Some(_) => case.bends_and_jumps(term, &Held::of(response)),
             None => (term.knots(), Vec::new()),
         };
-        for x in bends.iter().chain(&jumps) {
-            let travelled = (x - low) / (high - low);
-            breaks.push(if signs[*along] > 0.0 { travelled } else { 1.0 - travelled });
-        }
+        breaks.extend(bends.iter().chain(&jumps).map(|x| (x - from) / (to - from)));
     }
     breaks.retain(|t| (0.0..=1.0).contains(t));
     breaks.sort_by(f64::total_cmp);
