@@ -5,7 +5,6 @@
     clippy::print_stdout,
     clippy::disallowed_methods,
     clippy::cast_possible_truncation,
-    clippy::needless_range_loop,
     reason = "a test stops at what it did not expect, and says what it saw"
 )]
 
