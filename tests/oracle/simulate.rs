@@ -10,9 +10,7 @@ use nonius::kit::simulate::{
     single_axes, write,
 };
 use nonius::kit::{Inputs, Loaded, generate};
-use nonius::quantity::{
-    Axis, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis,
-};
+use nonius::quantity::{Axis, Diagonal, ErrorTerm, Millimetres, Pass, PathKind, PerAxis};
 use proptest::prelude::*;
 
 /// Readings are written with nine decimals.
@@ -31,12 +29,8 @@ fn inputs(machine: &Machine, back: Option<bool>) -> Inputs {
         let travel = [low, low + volume.size[axis].mm()];
         (axis.key(), travel, low, format!("points = {}", volume.steps + 1))
     });
-    let (ways, policy) = match machine.lost_um == PerAxis::default() {
-        true => (&[(Direction::Plus, "")][..], ""),
-        false => {
-            (&[(Direction::Plus, "+"), (Direction::Minus, "-")][..], "backlash = \"two-tables\"")
-        }
-    };
+    let is_directed = machine.lost_um != PerAxis::default();
+    let policy = if is_directed { "backlash = \"two-tables\"" } else { "" };
     let compensation = format!("controller = \"generic\"\n{policy}");
     let mut job = support::job_of(support::UNCORRECTED, &compensation, axes);
     let [start, size] = [volume.start, volume.size].map(|places| {
@@ -51,16 +45,7 @@ fn inputs(machine: &Machine, back: Option<bool>) -> Inputs {
     if let Some(overrun) = back {
         job += if overrun { "overrun_mm = 2.0\n" } else { "overrun_mm = 0.0\n" };
     }
-    let mut errors = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    for (along, (way, sign)) in
-        Axis::ALL.into_iter().flat_map(|axis| ways.iter().map(move |way| (axis, way)))
-    {
-        let um = Axis::ALL.map(|of| machine.directed(ErrorTerm { of, along }, *way));
-        for (index, at) in volume.positions(along).iter().enumerate() {
-            let [x, y, z] = um.each_ref().map(|um| um[index]);
-            errors += &format!("{},{sign},{:?},{x:?},{y:?},{z:?}\n", along.key(), at.mm());
-        }
-    }
+    let errors = machine.error_table(is_directed, 12, None, |_, _, _, um| Some(um));
     support::inputs(&job, &errors)
 }
 

@@ -116,22 +116,6 @@ pub(super) fn job_text(
     job_measured(measurement, compensation, axes) + &format!("[acceptance]\n{acceptance}\n")
 }
 
-/// An error table: axis, direction, mm and µm of each row, every value with this u where it is stated.
-pub(super) fn error_csv<'a>(
-    rows: impl IntoIterator<Item = (&'a str, &'a str, f64, [Option<f64>; 3])>,
-    u_um: Option<f64>,
-) -> String {
-    let head = if u_um.is_some() { ",u_ex_um,u_ey_um,u_ez_um" } else { "" };
-    let mut csv = format!("axis,direction,position_mm,ex_um,ey_um,ez_um{head}\n");
-    for (axis, way, mm, um) in rows {
-        let u = um.iter().filter(|_| u_um.is_some()).map(|um| um.and(u_um));
-        let u = u.map(|u| u.map_or(String::new(), |u| u.to_string()));
-        let um = um.iter().map(|um| um.map_or(String::new(), |um| format!("{um:.6}")));
-        csv += &format!("{axis},{way},{mm},{}\n", um.chain(u).collect::<Vec<_>>().join(","));
-    }
-    csv
-}
-
 /// A wavy curve with a slope.
 fn curve(random: &mut Random, size: f64, places: Vec<Millimetres>) -> Vec<f64> {
     let (low, high) = (places[0].mm(), places[places.len() - 1].mm());
@@ -180,23 +164,11 @@ fn table(
     truth: &Machine,
     mut value: impl FnMut(ErrorTerm, Direction, f64, f64) -> f64,
 ) -> String {
-    let ways = match plan.backlash {
-        Some(_) => &[(Direction::Plus, "+"), (Direction::Minus, "-")][..],
-        None => &[(Direction::Plus, "")],
-    };
-    let ways = Axis::ALL.into_iter().flat_map(|along| ways.iter().map(move |way| (along, *way)));
-    let mut rows = Vec::new();
-    for (along, (way, sign)) in ways {
-        for (index, at) in truth.volume.positions(along).iter().enumerate() {
-            let um = Axis::ALL.map(|of| {
-                let term = ErrorTerm { of, along };
-                let is_measured = plan.terms.contains(&term.to_string().as_str());
-                is_measured.then(|| value(term, way, at.mm(), truth.directed(term, way)[index]))
-            });
-            rows.push((along.key(), sign, at.mm(), um));
-        }
-    }
-    error_csv(rows, plan.states_u.then_some(NOISE_UM))
+    let u_um = plan.states_u.then_some(NOISE_UM);
+    truth.error_table(plan.backlash.is_some(), 6, u_um, |term, way, x, um| {
+        let is_measured = plan.terms.contains(&term.to_string().as_str());
+        is_measured.then(|| value(term, way, x, um))
+    })
 }
 
 /// The control with a fault of its backlash parameters.

@@ -1,6 +1,6 @@
 //! Right kits: machines that were measured with noise, compensated without a mistake and measured again. How often the
 //! forecast holds, which verdicts they get, and how often something is said against them that is not so.
-use super::causes::{Travels, error_csv, gauss, job_text};
+use super::causes::{Travels, gauss, job_text};
 use crate::support::diagonals::{Machine, box_of, largest, mm, own};
 use crate::support::{
     Random, Visit, in_parallel, is_held, is_whole, markdown, may_be, number, published, share,
@@ -54,14 +54,7 @@ pub(super) fn table(
     mut noise: impl FnMut() -> f64,
     u_um: Option<f64>,
 ) -> String {
-    let mut rows = Vec::new();
-    for along in Axis::ALL {
-        for (index, at) in machine.volume.positions(along).iter().enumerate() {
-            let um = |of| machine.curves[ErrorTerm { of, along }][index] + noise();
-            rows.push((along.key(), "", at.mm(), Axis::ALL.map(um).map(Some)));
-        }
-    }
-    error_csv(rows, u_um)
+    machine.error_table(false, 6, u_um, |_, _, _, um| Some(um + noise()))
 }
 
 /// The machine of an error table that the program wrote.

@@ -126,6 +126,39 @@ impl Machine {
         both.map(|(um, b)| um + side * b - apart[0] / 2.0 - lost).collect()
     }
 
+    /// An error table in one direction or both, with so many decimals: `value` makes of term, direction, place (mm) and error
+    /// (µm) what stands there, which has this u where one is stated.
+    pub(crate) fn error_table(
+        &self,
+        both_ways: bool,
+        decimals: usize,
+        u_um: Option<f64>,
+        mut value: impl FnMut(ErrorTerm, Direction, f64, f64) -> Option<f64>,
+    ) -> String {
+        let ways = match both_ways {
+            true => &[(Direction::Plus, "+"), (Direction::Minus, "-")][..],
+            false => &[(Direction::Plus, "")],
+        };
+        let ways = Axis::ALL.into_iter().flat_map(|axis| ways.iter().map(move |way| (axis, *way)));
+        let head = if u_um.is_some() { ",u_ex_um,u_ey_um,u_ez_um" } else { "" };
+        let mut csv = format!("axis,direction,position_mm,ex_um,ey_um,ez_um{head}\n");
+        for (along, (way, sign)) in ways {
+            for (index, at) in self.volume.positions(along).iter().enumerate() {
+                let um = Axis::ALL.map(|of| {
+                    let term = ErrorTerm { of, along };
+                    value(term, way, at.mm(), self.directed(term, way)[index])
+                });
+                let u = um.iter().filter(|_| u_um.is_some()).map(|um| um.and(u_um));
+                let u = u.map(|u| u.map_or(String::new(), |u| u.to_string()));
+                let um =
+                    um.iter().map(|um| um.map_or(String::new(), |um| format!("{um:.decimals$}")));
+                let cells = um.chain(u).collect::<Vec<_>>().join(",");
+                csv += &format!("{},{sign},{},{cells}\n", along.key(), at.mm());
+            }
+        }
+        csv
+    }
+
     /// The same machine in the X-primary frame: EYX, EZX, EZY without slope.
     pub(crate) fn x_primary(&self) -> Machine {
         let mut turned = self.clone();
