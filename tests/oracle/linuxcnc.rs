@@ -8,7 +8,7 @@ mod proof;
 mod visit;
 
 use crate::support::{Visit, is_whole};
-use loops::Case;
+use loops::{Case, Seen};
 use machine::Machine;
 
 const NO_CROSS: [[f64; 3]; 3] = [[0.0; 3]; 3];
@@ -105,17 +105,12 @@ fn the_real_control_does_what_the_emulator_says() {
     let Some(version) = control::installed() else { return };
     let count = if all_of_it().is_some() { CASES.len() } else { 1 };
     for case in &CASES[..count] {
-        let seen = case.close();
+        let (name, seen) = (case.machine.name, case.close());
+        let Seen { cycles, emulator_um, forecast_um, before_um, after_um } = seen;
         println!(
-            "{version}, {}: {} cycles, emulator within {:.5} µm, forecast within {:.5} µm; {:.3} → {:.3} µm",
-            case.machine.name,
-            seen.cycles,
-            seen.emulator_um,
-            seen.forecast_um,
-            seen.before_um,
-            seen.after_um
+            "{version}, {name}: {cycles} cycles, emulator within {emulator_um:.5} µm, forecast within {forecast_um:.5} µm; {before_um:.3} → {after_um:.3} µm"
         );
-        assert!(seen.cycles >= 10_000);
+        assert!(cycles >= 10_000);
     }
 }
 

@@ -5,8 +5,8 @@ use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
 use crate::support::diagonals::{box_of, largest, own};
 use crate::support::{
-    DIAGONALS, Random, Visit, in_parallel, is_whole, markdown, may_be, number, published, share,
-    short_or,
+    DIAGONALS, Random, Visit, in_parallel, is_whole, markdown, may_be, number, published_if_whole,
+    share, short_or,
 };
 use nonius::quantity::{Axis, Diagonal, PathKind};
 use serde_json::Value;
@@ -253,7 +253,5 @@ fn the_act_that_stands_first_decides() {
         let may = may_be(held, told.max(1), 0.9..=1.0);
         assert!(if is_whole() { held >= 0.9 } else { may }, "{text}");
     }
-    if is_whole() {
-        published("acts", "acts", &text);
-    }
+    published_if_whole("acts", "acts", &text);
 }

@@ -1,7 +1,7 @@
 //! Diagonals under each other's name and steps in another order: what `separate` finds of them, how
 //! often it accuses sound readings, and whether it says what it would hardly find.
 use crate::support::diagonals::*;
-use crate::support::{in_parallel, is_held, is_whole, markdown, published, share, words};
+use crate::support::{in_parallel, is_held, markdown, published_if_whole, share, words};
 use nonius::machine::separation::Separation;
 use nonius::quantity::{Axis, Diagonal, ErrorTerm, PerDiagonal};
 
@@ -237,7 +237,5 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
     for (wavy, accused) in &even {
         at_most((*accused, machines as usize), 1.0, &format!("{} {:?}", wavy.size, wavy.even));
     }
-    if is_whole() {
-        published("exchanged", "exchanged", &page);
-    }
+    published_if_whole("exchanged", "exchanged", &page);
 }

@@ -4,7 +4,7 @@
 use super::causes::job_text;
 use super::coverage_bounds::{Angle, Rigid, Shape, uniform, unit};
 use crate::support::diagonals::{Machine, Readings, box_of, dot, float, normal, own, seeded};
-use crate::support::{in_parallel, is_whole, published, share, short_or};
+use crate::support::{in_parallel, is_whole, published_if_whole, share, short_or};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use nonius::cli::answer;
 use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, Rotation};
@@ -448,9 +448,7 @@ fn visits_of_good_practice_pass_as_a_dense_estimator_says() {
         }
     }
     println!("{list}");
-    if is_whole() {
-        published("good practice", "good_practice", &list);
-    }
+    published_if_whole("good practice", "good_practice", &list);
 }
 
 fn under_limit(row: &Row, (limit, wanted): &Limit, dense: &Dense, many: u64) -> String {

@@ -3,7 +3,8 @@
 use crate::support::diagonals::*;
 use crate::support::visit::{self};
 use crate::support::{
-    fixture, is_held, is_whole, markdown, published, scatter, share, short_or, shown, source,
+    fixture, is_held, is_whole, markdown, published_if_whole, scatter, share, short_or, shown,
+    source,
 };
 use nonius::inputs::error_table::{ErrorTable, write};
 use nonius::inputs::job::{Frame, Job, SetUp, StatedUncertainty, UseOf};
@@ -265,10 +266,8 @@ fn the_u_of_a_plan_holds_the_truth_of_simulated_visits() {
     let head = "visit | points within U, % | U of the readings by U of the plan";
     let table = markdown(head, (0..).zip(&ROWS).map(row));
     println!("{table}");
-    if is_whole() {
-        let page = format!("{VISITS} visits of each row, seed {SEED}.\n\n{table}");
-        published("plan", "plan", &page);
-    }
+    let page = format!("{VISITS} visits of each row, seed {SEED}.\n\n{table}");
+    published_if_whole("plan", "plan", &page);
 }
 
 /// 93 … 97 %, or 93 % and more where the same error of the laser is counted in several places. A part of the visits scatters

@@ -80,6 +80,13 @@ pub(crate) fn published(name: &str, file: &str, table: &str) {
     stands_between("docs/accuracy.md", &begin, &end, table.trim_end());
 }
 
+/// The same, where the whole simulation is run.
+pub(crate) fn published_if_whole(name: &str, file: &str, table: &str) {
+    if is_whole() {
+        published(name, file, table);
+    }
+}
+
 /// Compares a table with that between two markers of a page, likewise.
 pub(crate) fn stands_between(name: &str, begin: &str, end: &str, table: &str) {
     let page = super::page(name);

@@ -1,6 +1,7 @@
 //! LinuxCNC, a real control, without a machine: started on files of a kit, homed, led through a part program, every servo
 //! cycle recorded. Stops by itself and leaves no process behind.
 
+use crate::support::skipped;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -75,8 +76,8 @@ pub(crate) fn installed() -> Option<String> {
         .output();
     let version = package.ok().filter(|output| output.status.success());
     if version.is_none() {
-        eprintln!(
-            "skipped: LinuxCNC is not installed (Debian 12 and later: apt-get install --no-install-recommends linuxcnc-uspace)"
+        skipped(
+            "LinuxCNC is not installed (apt-get install --no-install-recommends linuxcnc-uspace)",
         );
     }
     version.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())

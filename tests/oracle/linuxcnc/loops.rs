@@ -8,6 +8,7 @@ use nonius::control::controller::Role;
 use nonius::kit::Kit;
 use nonius::quantity::Direction;
 use nonius::read::emulate::{Emulator, Response};
+use std::fmt::Display;
 
 /// What the emulator may differ from the control, µm; the rounding of what is printed comes on top.
 const EMULATOR_UM: f64 = 1e-3;
@@ -51,11 +52,6 @@ impl Case {
         self.controller == "linuxcnc-hal"
     }
 
-    /// Rounding of one printed position, µm.
-    fn printed_um(&self) -> f64 {
-        0.5e-6 * self.unit_mm() * 1000.0
-    }
-
     pub(crate) fn close(&self) -> Seen {
         let (inputs, kit) = generate(&self.job(), &self.error_table());
         let cycles = self.driven(&kit);
@@ -66,11 +62,11 @@ impl Case {
         let mut seen = Seen { cycles: moving.count(), emulator_um, ..Seen::default() };
         assert!(stands(&cycles).len() >= 2 * self.stops - 1, "{}", self.machine.name);
         self.against_forecast(&kit, &cycles, &mut seen);
-        let limit = |um: f64, figures: f64| um + figures * self.printed_um();
-        let name = self.machine.name;
-        assert!(emulator_um <= limit(EMULATOR_UM, 4.0), "{name}: {emulator_um} µm");
-        let forecast_um = seen.forecast_um;
-        assert!(forecast_um <= limit(FORECAST_UM, 8.0), "{name}: {forecast_um} µm");
+        let (name, forecast_um) = (self.machine.name, seen.forecast_um);
+        // Rounding of one printed position, µm.
+        let printed_um = 0.5e-6 * self.unit_mm() * 1000.0;
+        assert!(emulator_um <= EMULATOR_UM + 4.0 * printed_um, "{name}: {emulator_um} µm");
+        assert!(forecast_um <= FORECAST_UM + 8.0 * printed_um, "{name}: {forecast_um} µm");
         seen
     }
 
@@ -126,19 +122,17 @@ impl Case {
             };
             seen.before_um = seen.before_um.max(before);
             seen.after_um = seen.after_um.max(after);
-            let what = format!("{}: {}", machine.name, of.term);
-            seen.is_forecast(&what, after, of.change.after_um);
+            seen.is_forecast(&of.term, after, of.change.after_um);
         }
         for of in &kit.forecast.diagonals {
             let left = left_along_diagonal(machine, cycles, of.diagonal.name());
-            let what = format!("{}: {}", machine.name, of.diagonal);
-            seen.is_forecast(&what, left, of.change.after_um);
+            seen.is_forecast(&of.diagonal, left, of.change.after_um);
         }
     }
 }
 
 impl Seen {
-    fn is_forecast(&mut self, what: &str, left: f64, forecast: f64) {
+    fn is_forecast(&mut self, what: &dyn Display, left: f64, forecast: f64) {
         println!("{what} {left:.4} µm, forecast {forecast:.4}");
         self.forecast_um = self.forecast_um.max((left - forecast).abs());
     }
