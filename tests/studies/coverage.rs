@@ -1,6 +1,7 @@
 //! Whether U = k·u holds the true value as often as it says, on simulated machines.
 use crate::support::diagonals::*;
 use crate::support::{in_parallel, is_held, may_be, short_or};
+use chacha20::ChaCha8Rng;
 use nonius::inputs::job::{
     AxisMaterial, DiagonalMeasurement, Frame, Material, SetUp, StatedUncertainty,
 };
@@ -10,7 +11,6 @@ use nonius::machine::separation::readings::{Noise, NoiseSource, coverage_factor}
 use nonius::machine::separation::reversal::Turn;
 use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::{Axis, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Plane};
-use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
 fn machines() -> usize {

@@ -4,6 +4,8 @@
 use super::coverage::{LOST_UM, Tally, count};
 use crate::support::diagonals::*;
 use crate::support::{is_held, is_whole, markdown, published, scatter, share};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::Rng;
 use nonius::inputs::job::{Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
@@ -11,8 +13,6 @@ use nonius::quantity::{
     Axis, Chain, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, Plane, Rotation, Run,
     Volume,
 };
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
 
 const SEED: u64 = 16;
 const RUNS: u64 = 2000;

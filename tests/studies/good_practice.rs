@@ -5,11 +5,11 @@ use super::causes::job_text;
 use super::coverage_bounds::{Angle, Rigid, Shape, uniform, unit};
 use crate::support::diagonals::{Machine, Readings, box_of, dot, float, normal, own, seeded};
 use crate::support::{in_parallel, is_whole, published_if_whole, share, short_or};
+use chacha20::ChaCha8Rng;
 use nalgebra::{DMatrix, DVector, DVectorView};
 use nonius::cli::answer;
 use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, Rotation};
 use nonius::visit::files::Memory;
-use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use std::fmt::Write;
 

@@ -6,6 +6,7 @@ use crate::support::{
     fixture, is_held, is_whole, markdown, published_if_whole, scatter, share, short_or, shown,
     source,
 };
+use chacha20::ChaCha8Rng;
 use nonius::inputs::error_table::{ErrorTable, write};
 use nonius::inputs::job::{Frame, Job, SetUp, StatedUncertainty, UseOf};
 use nonius::judge::after::{AfterMeasurement, compare};
@@ -18,7 +19,6 @@ use nonius::machine::separation::table::draft;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::{Axis, ErrorTerm, PerAxis, PerDiagonal, Plane};
 use nonius::write::plan::Plan;
-use rand_chacha::ChaCha8Rng;
 
 const SEED: u64 = 19;
 const VISITS: u64 = 500;

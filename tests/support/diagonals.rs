@@ -1,5 +1,7 @@
 //! Readings of step diagonals, simulated with arithmetic of the tests' own: a machine of nine
 //! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::{Campaign, MeasuredLine, SeparatedError, Separation, separate};
@@ -7,8 +9,6 @@ use nonius::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerAxis,
     PerDiagonal, PerTerm, Plane, Run, Volume,
 };
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Noise of a reading, µm, and standard uncertainty of the slope of a linear axis, µm/m, of most machines.

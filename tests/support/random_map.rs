@@ -1,8 +1,8 @@
 //! Random machines, some of them on purpose without shape, seeded.
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use nonius::quantity::Axis;
 use nonius::volume::space::grid_map::{AxisNode, GridMap};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::ops::Range;
 
 /// What the curves of a machine look like.

@@ -12,7 +12,7 @@
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use crate::quantity::{Diagonal, Pass, Rotation, Squared};
-use rand_chacha::ChaCha8Rng;
+use chacha20::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::borrow::Borrow;

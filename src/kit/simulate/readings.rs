@@ -16,8 +16,8 @@ use crate::quantity::{
 };
 use crate::text::{Finding, MOST_LINES, Problem, Problems, plain};
 use crate::write::emit::TOOL;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 

@@ -24,9 +24,9 @@ use crate::quantity::{
     Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Squared, larger,
 };
 use crate::text::joined;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 use nonius_numerics::rows::{CurveRows, Row, add, largest};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
 
 /// Of 1,000 draws the 95 % quantile is known to 2 %.

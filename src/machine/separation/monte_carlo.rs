@@ -14,8 +14,8 @@ use super::curves::{ReferenceLine, mean, range};
 use super::joint::between;
 use super::readings::float;
 use crate::quantity::{Plane, Squared};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 

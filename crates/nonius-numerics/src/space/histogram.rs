@@ -12,8 +12,8 @@
 use crate::space::grid_map::{GridMap, Node, Vector, node};
 use crate::space::pair::{Ends, Longest, Point, dot, square};
 use crate::space::{diameter, pair};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 use std::ops::Range;
 
