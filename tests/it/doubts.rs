@@ -3,7 +3,9 @@
 use crate::support::diagonals::{
     Machine, box_30, campaign, measurement, naive, normal, runs, seeded, solved, volume, with_noise,
 };
-use crate::support::{Ran, Visit, fixture, golden_case, holds, number, words};
+use crate::support::{
+    Ran, Visit, fixture, golden_case, holds, number, replaced, with_cells, without, words,
+};
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::readings::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::separate;
@@ -253,27 +255,12 @@ fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     assert!(solved.stands(), "{:?}", solved.doubts);
 }
 
-/// A case with a policy for its reversals.
-fn with_policy(case: &str, policy: &str) -> Visit {
-    let visit = golden_case(case);
-    let with = format!("[compensation]\nbacklash = \"{policy}\"");
-    visit.edit("job.toml", "[compensation]", &with);
-    visit
-}
-
-/// A job without what stands from a table up to `[compensation]`.
-fn without(job: &str, table: &str) -> String {
-    let (before, rest) = job.split_once(table).unwrap();
-    let (_, after) = rest.split_once("[compensation]").unwrap();
-    format!("{before}[compensation]{after}")
-}
-
 /// Writes the table and the job of what it holds.
 #[track_caller]
 fn two_step(visit: &Visit, status: i32) -> Ran {
     let ran = visit.run("separate job.toml -o errors.csv").ends(status);
     let job = without(&visit.read("job.toml"), "[measurement.step_diagonal]");
-    visit.put("nine.toml", job.replace("readings = \"readings.csv\"", "errors = \"errors.csv\""));
+    visit.put("nine.toml", replaced(&job, "readings = \"readings", "errors = \"errors"));
     ran
 }
 
@@ -289,18 +276,17 @@ fn kits(visit: &Visit) -> [(Ran, Value); 2] {
 /// Case B with 0.3 µm noise and one reading 20 µm off.
 fn disturbed_case_b() -> Visit {
     let mut random = seeded(20);
-    let spoilt = |line: &str| {
-        let (before, um) = line.rsplit_once(',').unwrap();
-        let Ok(um) = um.parse::<f64>() else { return format!("{line}\n") };
-        let off = if before == "PPP,1,forward,58,x" { 20.0 } else { 0.0 };
-        let noise = SIGMA_UM * normal(&mut random);
-        let um = if before.contains(",0,") { um } else { um + noise + off };
-        format!("{before},{um:.6}\n")
-    };
     let visit = golden_case("case_b_setup");
-    let readings = visit.read("readings.csv");
-    let rows = readings.lines().filter(|line| !line.starts_with('#'));
-    visit.put("readings.csv", rows.map(spoilt).collect::<String>());
+    let spoilt = with_cells(&visit.read("readings.csv"), |cells| {
+        let Some(um) = cells.last().and_then(|um| um.parse::<f64>().ok()) else {
+            return !cells[0].starts_with('#');
+        };
+        let off = if cells[..5] == ["PPP", "1", "forward", "58", "x"] { 20.0 } else { 0.0 };
+        let noise = SIGMA_UM * normal(&mut random);
+        cells[5] = format!("{:.6}", if cells[3] == "0" { um } else { um + noise + off });
+        true
+    });
+    visit.put("readings.csv", spoilt);
     visit
 }
 
@@ -339,8 +325,7 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
         assert_eq!(terms, ["EXX", "EYY", "EZZ"]);
     }
     // Whoever asks for the six alone misses nothing.
-    let asked = "[compensation]\nterms = ['EYX', 'EZX', 'EXY', 'EZY', 'EXZ', 'EYZ']";
-    visit.edit("job.toml", "[compensation]", asked);
+    visit.under("[compensation]", "terms = ['EYX', 'EZX', 'EXY', 'EZY', 'EXZ', 'EYZ']");
     visit.run("generate job.toml -o six").ends(1).omits("INCONSISTENT");
 }
 
@@ -350,7 +335,8 @@ fn readings_in_both_directions_need_a_word_on_the_reversal() {
     golden_case(case).run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
     let page = golden_case(case).run("separate job.toml --format json").ends(0).json();
     let [mean, forward] = [("mean", "EXX"), ("forward-only", "EXX+")].map(|(policy, name)| {
-        let visit = with_policy(case, policy);
+        let visit = golden_case(case);
+        visit.under("[compensation]", &format!("backlash = \"{policy}\""));
         visit.yes("separate job.toml -o errors.csv");
         let csv = visit.read("errors.csv");
         let last = csv.lines().rfind(|line| line.starts_with("x,")).unwrap();
@@ -366,7 +352,8 @@ fn readings_in_both_directions_need_a_word_on_the_reversal() {
 #[test]
 fn a_reversal_that_no_curve_holds_is_said_beside_the_figures() {
     for policy in ["mean", "forward-only"] {
-        let visit = with_policy("case_d_bidirectional", policy);
+        let visit = golden_case("case_d_bidirectional");
+        visit.under("[compensation]", &format!("backlash = \"{policy}\""));
         two_step(&visit, 0);
         for (ran, page) in kits(&visit) {
             let text = ran.omits("reversal not measured").all();
@@ -396,8 +383,7 @@ fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
     visit.put("job.toml", job.split("[acceptance]").next().unwrap());
     visit.edit("job.toml", "siemens-840d-sl", "generic");
     // A count of 20 µm: the tables cannot follow the curves.
-    let x = "[compensation.axes.x]\n";
-    visit.edit("job.toml", x, &format!("{x}detection_unit_um = 20.0\n"));
+    visit.under("[compensation.axes.x]", "detection_unit_um = 20.0");
     let ran = visit.run("generate job.toml -o kit").ends(0).omits("verdict: pass");
     ran.says("no acceptance is stated in the job, so there is nothing to judge")
         .says("WARNING: diagonal PPP becomes larger with the tables: 18.544 →");
@@ -409,15 +395,15 @@ fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
 #[test]
 fn values_in_mm_under_a_column_in_um_are_doubted() {
     let visit = Visit::of("start/errors");
-    let slipped = |(column, cell): (usize, &str)| {
-        let um = cell.parse::<f64>().ok().filter(|_| column > 1);
-        um.map_or(cell.to_string(), |um| (um / 1000.0).to_string())
-    };
-    let row = |line: &str| line.split(',').enumerate().map(slipped).collect::<Vec<_>>().join(",");
     let slip = |axis: &str| {
-        let rows = fixture("start/errors/errors.csv");
-        let own = |line: &str| if line.starts_with(axis) { row(line) } else { line.to_string() };
-        visit.put("errors.csv", rows.lines().map(own).collect::<Vec<_>>().join("\n"));
+        let slipped = with_cells(&fixture("start/errors/errors.csv"), |cells| {
+            let is_own = cells[0].starts_with(axis);
+            for cell in cells.iter_mut().skip(2).filter(|_| is_own) {
+                *cell = cell.parse::<f64>().map_or(cell.clone(), |um| (um / 1000.0).to_string());
+            }
+            true
+        });
+        visit.put("errors.csv", slipped);
     };
     // Of one axis of three: refused, unless a noise is stated below them.
     slip("x");
@@ -432,9 +418,8 @@ fn values_in_mm_under_a_column_in_um_are_doubted() {
     visit.run("assess job.toml").ends(0).says(&format!("doubt: {words}"));
     let stated = |noise_um: &str| {
         let noise = format!("[measurement]\nuncertainty = {{ noise_um = {noise_um} }}\n");
-        visit.put("stated.toml", visit.read("job.toml"));
-        visit.edit("stated.toml", "[measurement]\n", &noise);
-        visit.run(&format!("generate stated.toml -o kit-{noise_um}"))
+        let generate = format!("generate job.toml -o kit-{noise_um}");
+        visit.run_with("job.toml", "[measurement]\n", &noise, &generate)
     };
     // Whoever states a noise below the errors means them.
     stated("0.002").ends(0).omits("INCONSISTENT");

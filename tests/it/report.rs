@@ -1,7 +1,7 @@
 //! The page that is handed over: its figures are those of the commands, its bytes are the same twice, text of
 //! others is harmless, and a browser shows it without anything cut off.
 use crate::support::visit::page as repository_page;
-use crate::support::{Visit, holds, number, replaced};
+use crate::support::{Visit, holds, in_parallel, lacks, number, replaced};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
@@ -10,12 +10,6 @@ const SIEMENS: &str = "nine_errors_900/siemens-840d-sl.toml";
 #[track_caller]
 fn page(visit: &Visit, arguments: &str) -> String {
     visit.run(&format!("report {arguments} -o -")).answers().omits("\u{fffd}").out
-}
-
-#[track_caller]
-fn lacks(page: &str, words: &[&str]) {
-    let found = words.iter().find(|word| page.contains(**word));
-    assert_eq!(found, None, "is on the page");
 }
 
 /// Every figure of a page: its number, the command, the place in the document, what is shown.
@@ -188,11 +182,10 @@ fn a_finding_stands_once() {
     visit.run("generate job.toml -q -o kit").answers();
     let verify = visit.json("verify job.toml --tables kit --after job.toml");
     let notes = verify["notes"].as_array().unwrap().iter().map(|note| note.as_str().unwrap());
-    let both = notes.filter(|note| note.starts_with("`temperature_k`"));
-    assert_eq!(both.count(), 2, "one of each measurement");
+    let of_temperature = |note: &str| note.starts_with("`temperature_k`");
+    assert_eq!(notes.filter(|note| of_temperature(note)).count(), 2, "one of each measurement");
     let findings = items(&page(&visit, "job.toml --tables kit --after job.toml"), "findings");
-    let once = findings.iter().filter(|item| item.starts_with("`temperature_k`"));
-    assert_eq!(once.count(), 1);
+    assert_eq!(findings.iter().filter(|item| of_temperature(item)).count(), 1);
 }
 
 #[test]
@@ -227,18 +220,12 @@ fn every_figure_is_that_of_its_command() {
 /// Each family, with a second measurement: its page is as long as it gets.
 #[test]
 fn it_works_for_every_control() {
-    let judge = |id: &str| {
+    in_parallel(["siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"], |id| {
         let visit = Visit::with_job(&format!("nine_errors_900/{id}.toml")).with_any_kit();
         let left = page(&visit, "job.toml --tables kit --after errors.csv");
         check_figures(&visit, &left, "--after errors.csv");
         // The same input gives the same bytes.
         assert_eq!(page(&visit, "job.toml"), page(&visit, "job.toml"), "{id}");
-    };
-    std::thread::scope(|threads| {
-        for id in ["siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
-            let thread = std::thread::Builder::new().name(id.to_string());
-            thread.spawn_scoped(threads, move || judge(id)).unwrap();
-        }
     });
 }
 
@@ -266,9 +253,8 @@ fn files_are_named_by_purpose_and_nothing_is_called_complete_that_is_not_known()
 #[test]
 fn it_works_from_errors_or_readings_alone_in_every_language_and_in_inches() {
     for job in ["start/errors", "start/readings"] {
-        let visit = Visit::of(job);
         for language in ["en", "de", "zh"] {
-            let page = page(&visit, &format!("job.toml --language {language}"));
+            let page = page(&Visit::of(job), &format!("job.toml --language {language}"));
             holds(&page, &[&format!("<html lang=\"{language}\">")]);
             assert!(page.len() < 1_000_000, "{job}: {} bytes", page.len());
             lacks(&page, &["<script", "http://", "https://"]);

@@ -1,6 +1,8 @@
 //! `nonius separate` and `generate` from readings, as a user runs them: the golden cases, the
 //! words that go with a result, what is refused.
-use crate::support::{DIAGONALS, Visit, fixture, golden_case, number};
+use crate::support::{
+    DIAGONALS, Visit, fixture, golden_case, labelled, number, with_cells, without,
+};
 use nonius::inputs::error_table::{Cause, Remarks};
 use serde_json::{Value, json};
 
@@ -37,12 +39,6 @@ pub(crate) fn near(found: &Value, wanted: f64, tolerance: f64) {
 }
 
 #[track_caller]
-fn labelled(page: &Value, words: &str) {
-    let labels = page["labels"].to_string();
-    assert!(labels.contains(words), "expected `{words}` in {labels}");
-}
-
-#[track_caller]
 fn not_labelled(page: &Value, words: &str) {
     let labels = page["labels"].to_string();
     assert!(!labels.contains(words), "unexpected `{words}` in {labels}");
@@ -53,15 +49,15 @@ fn the_separated_table_and_the_job_with_readings_make_the_same_control_files() {
     let visit = golden_case("case_b_setup");
     visit.run("generate job.toml -o one").answers();
     visit.yes("separate job.toml -o errors.csv");
-    let job = visit.read("job.toml");
-    let (before, after) = job.split_once("[measurement.step_diagonal]").unwrap();
-    let (_, after) = after.split_once("[compensation]").unwrap();
-    visit.put("nine.toml", format!("{before}[compensation]{after}"));
+    visit.put("nine.toml", without(&visit.read("job.toml"), "[measurement.step_diagonal]"));
     visit.edit("nine.toml", "readings = \"readings.csv\"", "errors = \"errors.csv\"");
     visit.run("generate nine.toml -o two").answers();
     for name in ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"] {
-        let [one, two] = ["one", "two"].map(|kit| visit.read(&format!("{kit}/{name}")));
-        assert_eq!(one, two, "{name}");
+        assert_eq!(
+            visit.read(&format!("one/{name}")),
+            visit.read(&format!("two/{name}")),
+            "{name}"
+        );
     }
     let manifest = visit.read("two/manifest.json");
     assert_eq!(manifest.matches("readings.csv").count(), 1, "the source is traced: {manifest}");
@@ -217,17 +213,15 @@ fn the_closure_is_tested_against_the_scatter_of_the_runs() {
     let visit = golden_case("case_d_bidirectional");
     let means = "X -0.017 (expected scatter 0.071), Y -0.083 (expected";
     visit.run("separate job.toml --trials 0 -v").says(means).says("in keeping with that noise");
-    let disturbed = |line: &str| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
+    let disturbed = with_cells(&visit.read("readings.csv"), |cells| {
         if cells.len() > 5 && cells[1] == "2" && cells[3] != "0" {
             let turns = (cells[0] == "PPN") != (cells[3].parse::<u32>().unwrap() % 2 == 0);
             let um = cells[5].parse::<f64>().unwrap() + if turns { -1.0 } else { 1.0 };
             cells[5] = um.to_string();
         }
-        cells.join(",") + "\n"
-    };
-    let rows: String = visit.read("readings.csv").lines().map(disturbed).collect();
-    visit.put("readings.csv", rows);
+        true
+    });
+    visit.put("readings.csv", disturbed);
     visit.run("separate job.toml --trials 0 -v").says("SMALLER than that noise: single runs");
 }
 

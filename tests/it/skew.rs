@@ -1,7 +1,7 @@
 //! Klipper's skew correction against its formula: whatever leans, and wherever the machine homes, the bytes take off
 //! the lean, and nothing else.
 use crate::support::{self, Random, Visit, holds, number, um_at};
-use nonius::control::controller::{Dialect, TableSign, builtin};
+use nonius::control::controller::builtin;
 use nonius::quantity::Direction;
 
 /// A printer that leans by so many µm in 100 mm: X by Y, X by Z, Y by Z; Z bends by `bent` µm in the middle of Y.
@@ -36,11 +36,7 @@ fn off(factors: [f64; 3], [xy, xz, yz]: [f64; 3], at: [f64; 3]) -> [f64; 2] {
 #[test]
 fn the_bytes_take_off_the_lean_by_klippers_formula() {
     let profile = builtin::profile("klipper-skew").unwrap();
-    let mut turned = profile.clone();
-    match &mut turned.dialect {
-        Dialect::Declared(facts) => facts.cross_sign.value = TableSign::AsCorrection,
-        _ => unreachable!("the profile is a declared one"),
-    }
+    let turned = support::with_signs_turned(&profile);
     let mut random = Random::new(7);
     for _ in 0..40 {
         let lean = [0; 3].map(|_| random.between(-300.0, 300.0));

@@ -193,6 +193,21 @@ impl Visit {
         self.put(name, replaced(&self.read(name), old, new))
     }
 
+    /// Puts lines at the beginning of a section of the job, e.g. `[compensation]`.
+    #[track_caller]
+    pub(crate) fn under(&self, section: &str, lines: &str) -> &Visit {
+        self.edit("job.toml", &format!("{section}\n"), &format!("{section}\n{lines}\n"))
+    }
+
+    /// Runs a command with every `old` of a file replaced, which is put back.
+    #[track_caller]
+    pub(crate) fn run_with(&self, name: &str, old: &str, new: &str, command: &str) -> Ran {
+        let good = self.read(name);
+        let ran = self.edit(name, old, new).run(command);
+        self.put(name, good);
+        ran
+    }
+
     /// Gives every row of an error table one more column, or several.
     pub(crate) fn with_column(&self, table: &str, name: &str, value: &str) {
         let text = self.read(table);
@@ -284,6 +299,34 @@ pub(crate) fn golden_case(name: &str) -> Visit {
     Visit::of(&format!("diagonals/{name}"))
 }
 
+/// A job without what stands from the beginning of a table up to `[compensation]`.
+#[track_caller]
+pub(crate) fn without(job: &str, table: &str) -> String {
+    let (before, rest) = job.split_once(table).expect(table);
+    let (_, after) = rest.split_once("[compensation]").expect("a control");
+    format!("{before}[compensation]{after}")
+}
+
+/// The lines of a table with their cells changed; without those of which `change` says no.
+pub(crate) fn with_cells(text: &str, mut change: impl FnMut(&mut [String]) -> bool) -> String {
+    let changed = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
+        change(&mut cells).then(|| cells.join(",") + "\n")
+    };
+    text.lines().filter_map(changed).collect()
+}
+
+/// Words among the `labels` of a document.
+#[track_caller]
+pub(crate) fn labelled(document: &Value, words: &str) {
+    holds(&document["labels"].to_string(), &[words]);
+}
+
+/// A profile of one's own, built on another one, with more of its keys.
+pub(crate) fn own_profile(base: &str, keys: &str) -> String {
+    format!("schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"{base}\"\n{keys}")
+}
+
 /// A number of a document.
 #[track_caller]
 pub(crate) fn number(value: &Value) -> f64 {
@@ -299,6 +342,13 @@ pub(crate) fn holds(text: &str, words: &[&str]) {
     for words in words {
         assert!(text.contains(words), "expected `{words}` in\n{text}");
     }
+}
+
+/// A text holds none of these words.
+#[track_caller]
+pub(crate) fn lacks(text: &str, words: &[&str]) {
+    let found = words.iter().find(|word| text.contains(**word));
+    assert_eq!(found, None, "stands in\n{text}");
 }
 
 #[track_caller]
