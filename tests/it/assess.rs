@@ -1,13 +1,8 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
-use crate::support::{
-    DIAGONALS, LAST_DIGIT, Visit, error_table, fixture, holds, near, number, read_job,
-};
-use nonius::machine::model::ErrorModel;
-use nonius::quantity::{Axis, ErrorTerm, PerAxis, PerTerm};
+use crate::support::{LAST_DIGIT, Visit, holds, near, number};
+use nonius::quantity::{ErrorTerm, PerAxis, PerTerm};
 use nonius::volume::definitions::ByComponent;
-use nonius::volume::space::diameter::longest;
-use nonius::volume::volume_model::VolumeModel;
 use serde_json::Value;
 
 /// The document of a command that ends with 0.
@@ -63,43 +58,6 @@ fn machine_h_has_the_figures_of_its_authority() {
     }
     let sum: f64 = parts.iter().map(|p| number(&p["um"])).sum();
     assert!((sum - 1_149.980_852).abs() < 3e-5, "{sum}");
-}
-
-/// The same machine aligned differently: VA follows the frame, the length error does not.
-#[test]
-fn machine_h_in_other_frames() {
-    let job = read_job(&fixture("machine_h/job.toml"));
-    let model = ErrorModel::build(&job, &error_table(&fixture("machine_h/errors.csv"))).unwrap();
-    let volume = VolumeModel::build(&job, &model).unwrap();
-    let map = volume.map(&volume.own_nodes()).unwrap();
-    for (of, along, slope, va_um) in [
-        (Axis::X, Axis::Y, 0.0, 1_149.980_851_990),
-        (Axis::X, Axis::Y, -77.0, 1_281.844_366_5),
-        (Axis::X, Axis::Z, 181.0, 2_243.642_669_4),
-    ] {
-        let turned = map.points().map(|(place, mut e)| {
-            e[of] -= slope * place[along] / 1000.0;
-            e[along] += slope * place[of] / 1000.0;
-            [e.x, e.y, e.z]
-        });
-        let found = longest(&turned.collect::<Vec<_>>()).unwrap().um();
-        assert!((found - va_um).abs() < 1e-6, "{of:?} {along:?} {slope}: {found}");
-    }
-}
-
-/// The corner pair is the worst one on every grid whose nodes hold the corners.
-#[test]
-fn machine_h_keeps_its_figure_on_other_grids() {
-    let visit = Visit::of("machine_h");
-    for grid in ["2,2,2", "25,17,13", "13,13,13"] {
-        let found = document(&visit, &format!("assess job.toml --grid {grid}"));
-        near(grid, number(&found["definitions"]["va_um"]), 1_149.980_852, LAST_DIGIT);
-    }
-    let histogram = &document(&visit, "assess job.toml --histogram 50")["histogram"];
-    let counts = histogram["counts"].as_array().unwrap();
-    let sum: u64 = counts.iter().map(|n| n.as_u64().unwrap()).sum();
-    assert_eq!((sum, counts.len()), (819 * 818 / 2, 23), "1149.98 µm lies in bin 22");
-    assert_eq!(histogram["exact"], true);
 }
 
 /// Columns of paper 000 in its own order; D‹moving›‹direction›, so DYX is EXY. Read the other way
@@ -192,22 +150,6 @@ fn the_tables_take_off_what_they_hold() {
     // table of straight lines leaves a little.
     assert!((left - alone).abs() <= 3.0, "{left}, expected {alone}");
     assert!(left > 60.0, "{left}");
-}
-
-/// The diagonals of a machine of nine errors are those of the forecast, which finds them in
-/// another way.
-#[test]
-fn the_diagonals_agree_with_the_forecast() {
-    let visit = Visit::of("start/errors");
-    let manifest = document(&visit, "generate job.toml -o kit");
-    let found = document(&visit, "assess job.toml --tables kit");
-    for name in DIAGONALS {
-        let forecast = &manifest["forecast"]["diagonals"][name];
-        for (found, key) in [(&found, "before_um"), (&found["after"], "after_um")] {
-            let um = &found["definitions"]["diagonals_um"][name];
-            near(name, number(um), number(&forecast[key]), LAST_DIGIT);
-        }
-    }
 }
 
 /// Angles may stand in a table of their own; both ways are the same machine.

@@ -1,9 +1,9 @@
 //! Laws that hold for every machine: what may and what may not change the tables.
-use crate::support::{self, DUST_UM, short_or, um_at};
+use crate::support::{self, DUST_UM, short_or};
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::Kind;
 use nonius::kit;
-use nonius::quantity::{Axis, Direction, ErrorTerm};
+use nonius::quantity::{Axis, ErrorTerm};
 use nonius::read::generic::{Row, read};
 use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;
@@ -19,10 +19,6 @@ struct Rail {
 }
 
 impl Rail {
-    fn length(&self) -> f64 {
-        self.mm[self.mm.len() - 1] - self.mm[0]
-    }
-
     fn with_errors(&self, change: impl Fn(usize, usize, f64) -> f64) -> Rail {
         let mut rail = self.clone();
         for (of, column) in rail.um.iter_mut().enumerate() {
@@ -51,21 +47,14 @@ fn csv(rails: &[Rail; 3], (names, mm, um): Unit) -> String {
 }
 
 /// A job whose control is `controller`; `keys` of [compensation], `grid` of every axis.
-fn job(
-    rails: &[Rail; 3],
-    controller: &str,
-    keys: &str,
-    grid: impl Fn(&Rail) -> String,
-    squareness: &str,
-) -> String {
+fn job(rails: &[Rail; 3], controller: &str, keys: &str, grid: impl Fn(&Rail) -> String) -> String {
     let unit = if support::needs_unit(controller) { "detection_unit_um = 1.0" } else { "" };
     let axes = Axis::ALL.iter().zip(rails).map(|(axis, rail)| {
         let travel = [rail.mm[0], rail.mm[rail.mm.len() - 1]];
         (axis.key(), travel, rail.reference, format!("{}\n{unit}", grid(rail)))
     });
-    let measurement = format!("{}\n{squareness}", support::UNCORRECTED);
     let compensation = format!("controller = \"{controller}\"\n{keys}");
-    support::job_of(&measurement, &compensation, axes)
+    support::job_of(support::UNCORRECTED, &compensation, axes)
         + "[limits]\nmax_correction_um = 5000.0\nmax_slope_um_per_mm = 100.0\n"
 }
 
@@ -74,8 +63,8 @@ fn spacing(rail: &Rail) -> String {
 }
 
 /// The generic table of a machine, from the bytes.
-fn rows(rails: &[Rail; 3], keys: &str, squareness: &str) -> Vec<Row> {
-    rows_of(&job(rails, "generic", keys, spacing, squareness), &csv(rails, METRIC))
+fn rows(rails: &[Rail; 3], keys: &str) -> Vec<Row> {
+    rows_of(&job(rails, "generic", keys, spacing), &csv(rails, METRIC))
 }
 
 fn rows_of(job: &str, errors: &str) -> Vec<Row> {
@@ -135,16 +124,6 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(short_or(12, 48)))]
 
     #[test]
-    fn twice_the_errors_twice_the_corrections(rails in rails(), ways in all_ways()) {
-        let twice = rails.clone().map(|rail| rail.with_errors(|_, _, um| 2.0 * um));
-        let (once, twice) = (rows(&rails, &ways, ""), rows(&twice, &ways, ""));
-        prop_assert_eq!(once.len(), twice.len());
-        for (a, b) in once.iter().zip(&twice) {
-            prop_assert!((2.0 * a.correction_um - b.correction_um).abs() <= 1e-8, "{:?} {:?}", a, b);
-        }
-    }
-
-    #[test]
     fn the_corrections_of_a_sum_are_the_sum_of_the_corrections(
         rails in rails(),
         others in proptest::collection::vec(-20.0..20.0_f64, 9),
@@ -154,7 +133,7 @@ proptest! {
         let other = |of: usize, row: usize| others[(3 * row + of) % 9];
         let second = rails.clone().map(|rail| rail.with_errors(|of, row, _| other(of, row)));
         let both = rails.clone().map(|rail| rail.with_errors(|of, row, um| um + other(of, row)));
-        let [a, b, sum] = [&rails, &second, &both].map(|rails| rows(rails, &ways, ""));
+        let [a, b, sum] = [&rails, &second, &both].map(|rails| rows(rails, &ways));
         for ((a, b), sum) in a.iter().zip(&b).zip(&sum) {
             prop_assert!((a.correction_um + b.correction_um - sum.correction_um).abs() <= 1e-8);
         }
@@ -172,7 +151,7 @@ proptest! {
             rail.reference = move_by(rail.reference);
             rail
         });
-        let (before, after) = (rows(&rails, &ways, ""), rows(&moved, &ways, ""));
+        let (before, after) = (rows(&rails, &ways), rows(&moved, &ways));
         prop_assert_eq!(before.len(), after.len());
         for (a, b) in before.iter().zip(&after) {
             prop_assert!((a.position_mm + by - b.position_mm).abs() <= 2e-6);
@@ -193,7 +172,7 @@ proptest! {
             Axis::Y => Axis::Z,
             Axis::Z => Axis::X,
         };
-        let (before, after) = (rows(&rails, &ways, ""), rows(&renamed, &ways, ""));
+        let (before, after) = (rows(&rails, &ways), rows(&renamed, &ways));
         prop_assert_eq!(before.len(), after.len());
         for row in &before {
             let own = row.term().unwrap();
@@ -205,41 +184,12 @@ proptest! {
     }
 
     #[test]
-    fn squareness_alone_gives_straight_lines(
-        rails in rails(),
-        phi in [-200.0..200.0_f64, -200.0..200.0_f64, -200.0..200.0_f64],
-        ways in all_ways(),
-    ) {
-        let rails = rails.map(|rail| rail.with_errors(|_, _, _| 0.0));
-        let [xy, xz, yz] = phi;
-        let squareness =
-            format!("[measurement.squareness_um_per_m]\nxy = {xy:?}\nxz = {xz:?}\nyz = {yz:?}\n");
-        // A table that begins and ends on the targets: outside them the curve is held.
-        let exact = rails.clone().map(|mut rail| {
-            rail.reference = rail.mm[0];
-            rail.spacing = rail.length() / 4.0;
-            rail
-        });
-        for row in rows(&exact, &ways, &squareness) {
-            let slope = match row.term.as_str() {
-                "EXY" => xy,
-                "EXZ" => xz,
-                "EYZ" => yz,
-                _ => 0.0,
-            };
-            let along = Axis::ALL.iter().position(|a| *a == row.term().unwrap().along).unwrap();
-            let expected = -slope / 1000.0 * (row.position_mm - exact[along].reference);
-            prop_assert!((row.correction_um - expected).abs() <= 1e-6, "{:?} {}", row, expected);
-        }
-    }
-
-    #[test]
     fn minimax_leaves_no_more_than_sampling(rails in rails(), curve in 0..3_usize) {
         let curve = ["linear", "pchip", "natural-spline"][curve];
         let errors = csv(&rails, METRIC);
         let [sampled, minimax] = ["sample", "minimax"].map(|fit| {
             let keys = format!("curve = \"{curve}\"\nfit = \"{fit}\"");
-            support::generate(&job(&rails, "generic", &keys, spacing, ""), &errors).1.plan.tables
+            support::generate(&job(&rails, "generic", &keys, spacing), &errors).1.plan.tables
         });
         for (sampled, minimax) in sampled.iter().zip(&minimax) {
             prop_assert_eq!(sampled.term, minimax.term);
@@ -255,7 +205,7 @@ proptest! {
     ) {
         let keys = if inch { "control_unit = \"inch\"" } else { "" };
         let grid = |_: &Rail| format!("spacing_mm = {step:?}");
-        let text = job(&rails, "siemens-840d-sl", keys, grid, "");
+        let text = job(&rails, "siemens-840d-sl", keys, grid);
         let (inputs, kit) = support::generate(&text, &csv(&rails, METRIC));
         let Tables::Siemens(tables) = support::loaded(&inputs.profile, &kit) else { panic!("tables of another control") };
         let points: Vec<usize> = tables.tables.iter().map(|t| t.values.len()).collect();
@@ -286,7 +236,7 @@ proptest! {
                 }
             }
         }
-        let text = job(&rails, "generic", &ways, spacing, "");
+        let text = job(&rails, "generic", &ways, spacing);
         let metric = rows_of(&text, &csv(&rails, METRIC));
         let inch = rows_of(&text, &csv(&rails, INCH));
         prop_assert_eq!(metric.len(), inch.len());
@@ -303,35 +253,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(short_or(4, 48)))]
 
     #[test]
-    fn a_machine_without_errors_gets_tables_of_zeros(
-        rails in rails(),
-        offset in -20.0..20.0_f64,
-        ways in all_ways(),
-    ) {
-        // The same everywhere is no error: all that counts is relative to the reference.
-        let rails = rails.map(|rail| rail.with_errors(|_, _, _| offset));
-        for id in support::any_grid_ids() {
-            let (inputs, kit) =
-                support::generate(&job(&rails, id, &ways, spacing, ""), &csv(&rails, METRIC));
-            let control = support::control(&inputs.profile, &kit);
-            prop_assert!(kit.forecast.max_residual_um() <= DUST_UM);
-            for (base, output) in control.connected_axes() {
-                for direction in Direction::BOTH {
-                    let response = support::response(control.as_ref(), &base, &output, direction);
-                    for i in -20..=20 {
-                        let um = um_at(&response, 100.0 * f64::from(i));
-                        prop_assert!(um.abs() <= DUST_UM, "{}: {}", id, um);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
     fn so_many_points_cover_the_travel_with_the_smallest_spacing(rails in rails(), points in 3..100_u32) {
         let ids: Vec<&str> = support::any_grid_ids().collect();
         for (place, id) in ids.iter().enumerate() {
-            let text = job(&rails, id, "", |_| format!("points = {points}"), "");
+            let text = job(&rails, id, "", |_| format!("points = {points}"));
             let inputs = support::inputs(&text, &csv(&rails, METRIC));
             // A whole kit takes much longer than its plan.
             let plan = if short_or(place == points as usize % ids.len(), true) {
@@ -373,13 +298,11 @@ fn millionths(line: &str) -> i64 {
 /// EXY was measured from 100 mm on; squareness is added from there, the reference stays zero.
 #[test]
 fn squareness_leaves_the_reference_zero_where_it_was_not_measured() {
-    let job = "schema = 1\n[machine]\nname = \"off the range\"\n[machine.axes.x]\n\
-        travel_mm = [0.0, 300.0]\nreference_mm = 0.0\n[machine.axes.y]\n\
-        travel_mm = [0.0, 300.0]\nreference_mm = 0.0\n[measurement]\nerrors = \"errors.csv\"\n\
-        active_while_measuring = \"none\"\n[measurement.squareness_um_per_m]\nxy = 100.0\n\
-        [compensation]\ncontroller = \"generic\"\n[compensation.axes.y]\nspacing_mm = 100.0\n";
+    let measured = format!("{}\nsquareness_um_per_m.xy = 100.0", support::UNCORRECTED);
+    let axes = ["x", "y"].map(|axis| (axis, [0.0, 300.0], 0.0, "spacing_mm = 100.0".to_string()));
+    let job = support::job_of(&measured, "controller = \"generic\"", axes);
     let errors = "axis,position_mm,ex_um\ny,100,0\ny,300,0\n";
-    let corrections: Vec<f64> = rows_of(job, errors).iter().map(|r| r.correction_um).collect();
+    let corrections: Vec<f64> = rows_of(&job, errors).iter().map(|r| r.correction_um).collect();
     let expected = [0.0, 0.0, -10.0, -20.0];
     for (got, expected) in corrections.iter().zip(expected) {
         assert!((got - expected).abs() <= DUST_UM, "{corrections:?}");
@@ -399,7 +322,7 @@ fn a_grid_covers_a_long_travel_unless_the_job_says_where_it_ends() {
         let mm = vec![0.0, 1500.0, 3500.0, 5000.0];
         let rails =
             [(); 3].map(|()| Rail { mm: mm.clone(), um: um.clone(), reference, spacing: 0.0 });
-        let text = job(&rails, "generic", "", |_| request.to_string(), "");
+        let text = job(&rails, "generic", "", |_| request.to_string());
         let inputs = support::inputs(&text, &csv(&rails, METRIC));
         let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
         let (first, last) = kit.plan.grids.x.unwrap().range();

@@ -28,18 +28,6 @@ fn the_golden_readings_are_read_completely() {
     }
 }
 
-#[test]
-fn a_reading_stands_at_its_node() {
-    for (case, pass, nodes, um) in [
-        ("case_a_ideal", Pass::Forward, [0, 2], [0.0, 1.591414825]),
-        ("case_d_bidirectional", Pass::Reverse, [0, 7], [-6.4112, 2.5334]),
-    ] {
-        let (_, readings) = golden_readings(case);
-        let run = find(&readings, Diagonal::Ppp, pass);
-        assert_eq!(nodes.map(|node| run.deviations[node].um()), um);
-    }
-}
-
 /// A box of 90 × 72 × 72 mm in two steps of each axis, X first; its readings are ten times the node.
 fn measurement(kind: PathKind) -> DiagonalMeasurement {
     DiagonalMeasurement { kind, ..measured_by(&fixture("base/step-readings/job.toml")) }

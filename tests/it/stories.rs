@@ -34,19 +34,6 @@ fn a_kit_within_its_acceptance_is_a_yes_and_its_manifest_the_json() {
 }
 
 #[test]
-fn a_forecast_that_misses_the_acceptance_is_a_no_with_files() {
-    let visit = Visit::with(JOB, TABLE);
-    visit
-        .edit("job.toml", "siemens-840d-sl", "fanuc-30i")
-        .edit("job.toml", "spacing_mm", "detection_unit_um = 1.0\nspacing_mm")
-        .edit("job.toml", "max_deviation_um = 5.0", "max_deviation_um = 0.1");
-    visit.run("generate job.toml -o kit").ends(1);
-    assert!(visit.at("kit/manifest.json").is_file());
-    assert!(visit.at("kit/PITCH.TXT").is_file());
-    visit.run("verify job.toml --tables kit").ends(1);
-}
-
-#[test]
 fn an_empty_directory_is_taken() {
     let visit = Visit::with(JOB, TABLE);
     fs::create_dir(visit.at("kit")).unwrap();

@@ -3,7 +3,7 @@
 use crate::support::{error_table, fixture, read_job};
 use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};
 use nonius::machine::model::ErrorModel;
-use nonius::quantity::{Axis, Chain, ErrorTerm, Millimetres, PerAxis, Rotation};
+use nonius::quantity::{Axis, Chain, ErrorTerm, Millimetres, PerAxis};
 use nonius::volume::definitions::{self, Definitions};
 use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
 
@@ -251,26 +251,6 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         };
         let sum: f64 = model.components().into_iter().map(part).sum();
         assert!((sum - d.va_um).abs() < 1e-9, "{chain}: {sum} {}", d.va_um);
-    }
-}
-
-#[test]
-fn four_angles_need_a_tool_offset() {
-    let mut numbers = Numbers(5);
-    for chain in Chain::all() {
-        let mut machine = Machine::random(chain, &mut numbers, 3, 50.0);
-        let silent = |model: &VolumeModel| -> usize {
-            let nodes = model.own_nodes();
-            let whole = model.map(&nodes).expect("a map");
-            let same = |rotation: Rotation| {
-                let map = model.map_of(&nodes, |c| c != Component::Rotation(rotation)).unwrap();
-                whole.points().zip(map.points()).all(|(a, b)| a.1.minus(b.1).length() < 1e-12)
-            };
-            Rotation::all().filter(|r| chain.effects(*r).is_empty() && same(*r)).count()
-        };
-        assert_eq!(silent(&machine.model()), 4, "{chain}");
-        machine.measurement = "tool_offset_mm = { x = 200.0, y = 300.0, z = 400.0 }".to_string();
-        assert_eq!(silent(&machine.model()), 0, "{chain}");
     }
 }
 
