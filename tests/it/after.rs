@@ -1,6 +1,6 @@
 //! `verify --after`: the figures of the page and the verdict on what was measured.
 
-use crate::support::{Visit, fixture, number};
+use crate::support::{Visit, error_rows, fixture, number};
 use serde_json::Value;
 
 const ACCEPTANCE: &str = "[acceptance]\nmax_deviation_um = 1.0\n";
@@ -25,7 +25,6 @@ fn visit(after: &str) -> Visit {
     visit
 }
 
-/// A verdict on a second measurement.
 struct Judged {
     status: Option<i32>,
     page: Value,
@@ -134,7 +133,6 @@ fn what_decides_and_what_leaves_it_undecided_is_named() {
     again(&visit, "after.csv").is("undecided", &["SIGN TURNED"]);
 }
 
-/// Tables that do not act are named with the look that decides; changed ones fail whatever was measured.
 #[test]
 fn tables_that_do_not_act_or_were_changed_fail() {
     visit(&table(&[[0.0, 0.0, 0.0], [50.0, 6.05, 3.02], [100.0, 16.0, -4.0]], 0.1))
@@ -166,7 +164,6 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
     ran.says("does not state [measurement.step_diagonal.material]");
 }
 
-/// A job of the second measurement.
 fn after_job(active: &str, more: &str) -> String {
     let job = job().replace("errors.csv", "after.csv").replace(NONE_ACTIVE, active);
     job.replace("[compensation]\n", &format!("{more}[compensation]\n"))
@@ -227,13 +224,12 @@ fn both_ways(policy: &str, lost_um: f64) -> Visit {
 
 /// Rows of X in both directions; moving - it stands `lost_um` further in +.
 fn directed(ex_um: [f64; 3], lost_um: f64) -> String {
-    let mut text = "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n".to_string();
-    for (way, lost) in [("+", 0.0), ("-", lost_um)] {
-        for (at, um) in [0.0, 50.0, 100.0].into_iter().zip(ex_um) {
-            text += &format!("x,{way},{at},{},{},0.05,0.05\n", um + lost, at / 1e4);
-        }
-    }
-    text
+    let columns = "ex_um,ey_um,u_ex_um,u_ey_um";
+    let axes = [("x", vec![0.0, 50.0, 100.0])];
+    error_rows(columns, &axes, &["+", "-"], |_, way, at| {
+        let lost = if way == "-" { lost_um } else { 0.0 };
+        [ex_um[at as usize / 50] + lost, at / 1e4, 0.05, 0.05]
+    })
 }
 
 #[test]
@@ -248,7 +244,6 @@ fn one_direction_decides_nothing_where_both_were_found() {
     }
 }
 
-/// The reversal that a policy leaves is forecast: it is no noise, and hides nothing.
 #[test]
 fn noise_hides_inactive_tables_and_a_reversal_left_on_purpose_does_not() {
     let left = both_ways("mean", 14.0);
@@ -285,7 +280,6 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     ran.tells(&["x,-,100,2,", "3.000 µm as manifest.json of the kit names it"]);
 }
 
-/// Noise that the job states for every value is not stated again in the columns of a simulated table.
 #[test]
 fn simulated_noise_is_stated_once() {
     let visit = Visit::of("start/errors");

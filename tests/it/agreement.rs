@@ -264,7 +264,6 @@ fn squareness_has_one_uncertainty() {
     }
 }
 
-/// With unknown scales the tilts let a share of them into the squareness: its size is said.
 #[test]
 fn the_share_of_unknown_scales_in_squareness_is_told() {
     let mut machine = Machine::perfect(&volume([900.0, 720.0, 720.0], 10));

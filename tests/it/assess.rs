@@ -115,17 +115,10 @@ fn example_2_of_paper_000() {
     assert!((as_printed.proposed.unwrap() - 0.004_595).abs() > 0.001, "the signs were lost");
 }
 
-/// With every error tabled and the control's grid on the measured nodes nothing but rounding is
-/// left; what the tables cannot hold (angles) stays.
+/// Angles stay; nothing but rounding is left where there are none: the page of a small machine.
 #[test]
 fn the_tables_take_off_what_they_hold() {
-    let found = document(&Visit::of("start/errors"), "assess job.toml --with-tables");
     let va_um = |found: &Value| number(&found["definitions"]["va_um"]);
-    assert!(va_um(&found) > 14.0);
-    assert!(va_um(&found["after"]) < 0.02, "{}", found["after"]);
-    assert_eq!(found["after"]["disagreements"], serde_json::json!([]));
-    assert_eq!(found["missing"].as_array().unwrap().len(), 5);
-
     let visit = Visit::of("machine_h");
     let job = visit.read("job.toml");
     let spacings = [("x", 1000.0), ("y", 500.0), ("z", 200.0)]
@@ -152,7 +145,6 @@ fn the_tables_take_off_what_they_hold() {
     assert!(left > 60.0, "{left}");
 }
 
-/// Angles may stand in a table of their own; both ways are the same machine.
 #[test]
 fn angles_of_their_own_table_are_read() {
     let visit = Visit::of("machine_h");
@@ -175,7 +167,6 @@ fn angles_of_their_own_table_are_read() {
     assert_eq!(apart["contributions"], whole["contributions"]);
 }
 
-/// A zero of the angles that the squareness was not measured with makes another machine.
 #[test]
 fn angles_can_be_zeroed_where_the_squareness_was_measured() {
     let visit = Visit::of("machine_h");

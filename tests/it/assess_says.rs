@@ -2,7 +2,7 @@
 //! measured.
 
 use super::assess::document;
-use crate::support::{DIAGONALS, Ran, Visit, number, page, replaced, short_or};
+use crate::support::{DIAGONALS, Ran, Visit, labelled, number, page, replaced, short_or};
 use serde_json::{Value, json};
 
 /// A command that ends with 0, with its explanations.
@@ -26,13 +26,6 @@ fn humps() -> String {
     let rows = "A,0,0,0,0\nA,100,10,10,10\nA,200,10,10,10\nA,300,0,0,0\n";
     let axes = ["x", "y", "z"].map(|axis| rows.replace('A', axis));
     format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", axes.concat())
-}
-
-#[track_caller]
-fn has_label(found: &Value, words: &str) {
-    let labels = found["labels"].as_array().unwrap();
-    let is_there = labels.iter().any(|label| label.as_str().unwrap().contains(words));
-    assert!(is_there, "expected `{words}` in {labels:#?}");
 }
 
 #[test]
@@ -62,15 +55,14 @@ fn the_volume_is_claimed_only_where_no_place_is_worse() {
 fn a_separation_keeps_its_labels_and_its_frame() {
     let found = document(&Visit::of("diagonals/case_d_bidirectional"), "assess job.toml");
     assert_eq!(found["frame"], "as-measured");
-    has_label(&found, "set-up assumed perfect");
-    has_label(&found, "a reversal of about");
+    labelled(&found, "set-up assumed perfect");
+    labelled(&found, "a reversal of about");
     let visit = Visit::of("start/readings");
     assert_eq!(document(&visit, "assess job.toml")["frame"], "x-primary");
     let said = explained(&visit, "assess job.toml").omits("nothing was rotated");
     said.says("frame: X primary, XY plane secondary");
 }
 
-/// A small rotation of the machine's frame changes VA and not what the page says to stay.
 #[test]
 fn a_turned_datum_leaves_what_the_page_says_to_stay() {
     let visit = Visit::of("start/errors");
@@ -124,7 +116,7 @@ fn tables_that_were_active_are_part_of_the_machine_as_measured() {
     let words = "as measured, with the tables of `kit` active; without any tables";
     explained(&visit, "assess after.toml").says(words);
     let found = document(&visit, "assess silent.toml");
-    has_label(&found, "`active_while_measuring` is not stated");
+    labelled(&found, "`active_while_measuring` is not stated");
     assert_eq!(found["active"], Value::Null);
 }
 
@@ -136,7 +128,7 @@ fn places_that_levers_depend_on_are_named() {
     assert_eq!(found["tool_offset_mm"], json!([0.0, 0.0, -120.5]));
     assert_eq!(found["offsets_mm"], json!({"x": 4000.0, "y": 100.0, "z": null}));
     assert_eq!(found["volume_mm"]["y"], json!([0.0, 300.0]));
-    has_label(&found, "does not reach: X 4000 mm");
+    labelled(&found, "does not reach: X 4000 mm");
     let words = "tool offset (0, 0, -120.5) mm; offsets X 4000, Y 100 mm";
     explained(&visit, "assess job.toml").says(words);
 }
@@ -217,7 +209,7 @@ fn figures_need_neither_a_control_nor_a_backlash_policy() {
     let visit = Visit::with(cube(), both);
     let found = document(&visit, "assess job.toml");
     assert_eq!(number(&found["definitions"]["va_um"]), 10.0);
-    has_label(&found, "the mean of both counts");
+    labelled(&found, "the mean of both counts");
     visit.run("generate job.toml -o kit").ends(2); // tables need a control
 }
 
@@ -226,8 +218,8 @@ fn slips_of_the_unit_are_doubted() {
     let job = cube() + "[measurement.squareness_um_per_m]\nxy = 5001.0\n";
     let table = "axis,position_mm,ex_mm,ey_um\nx,0,0,0\nx,300,5.1,4999\ny,0,0,0\ny,300,0,0\n";
     let found = document(&Visit::with(&job, table), "assess job.toml");
-    has_label(&found, "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely");
-    has_label(&found, "doubt: squareness_xy reaches 5001 µm/m");
+    labelled(&found, "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely");
+    labelled(&found, "doubt: squareness_xy reaches 5001 µm/m");
     assert!(!found["labels"].to_string().contains("EYX reaches"), "{}", found["labels"]);
 }
 
@@ -240,12 +232,11 @@ fn the_page_and_the_document_of_machine_h() {
     insta::assert_snapshot!("machine_h_document", document);
 }
 
-/// The job of docs/volume.md runs as it stands.
 #[test]
 fn the_job_of_the_documentation_is_complete() {
     let text = page("docs/volume.md");
-    let (_, rest) = text.split_once("```toml\n").expect("there is a job");
-    let (job, _) = rest.split_once("```").expect("it ends");
+    let (job, _) =
+        text.split_once("```toml\n").and_then(|(_, rest)| rest.split_once("```")).unwrap();
     let table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\nx,0,0,0,0,0,0,0\nx,800,8,1,2,5,-4,3\ny,0,0,0,0,0,0,0\ny,500,1,6,0,2,1,0\nz,-450,-3,2,-4,1,1,1\nz,0,0,0,0,0,0,0\n";
     let options = "--grid 17,11,10 --window 300,200,200 --histogram 5";
     let found = document(&Visit::with(job, table), &format!("assess job.toml {options}"));

@@ -2,7 +2,7 @@
 //! a picture is cut off or lies on another, every link leads somewhere, the print has its pages. Skipped, with a
 //! word, where they are not installed.
 
-use crate::support::{Ran, Visit, fixture, fixtures, is_installed, program, replaced};
+use crate::support::{G54, Ran, Visit, fixture, in_repository, is_installed, replaced};
 use std::process::{Command, Output};
 
 const JOB: &str = "fixtures/nine_errors_900/siemens-840d-sl.toml";
@@ -10,8 +10,7 @@ const READINGS: &str = "fixtures/start/readings/job.toml";
 
 /// Runs the program in the repository; `OUT` is the folder of the visit.
 fn run(visit: &Visit, command: &str) -> Ran {
-    let words = command.replace("OUT", &visit.folder().display().to_string());
-    Ran::of(command, &program(&fixtures(".."), &words).output().expect("the program runs"))
+    in_repository(&command.replace("OUT", &visit.folder().display().to_string()))
 }
 
 /// Reports of an error table, of readings, and of a kit with a second measurement.
@@ -42,10 +41,8 @@ fn reports(visit: &Visit) -> [&'static str; 6] {
     ["checklist.html", "tables.html", "readings.html", "german.html", "left.html", "pictures.html"]
 }
 
-/// What each command draws.
 fn pictures(visit: &Visit, after: &str) -> Vec<String> {
-    let offset = "[[path.offset]]\nsystem = \"G54\"\nx_mm = 0\ny_mm = 0\nz_mm = 0\n";
-    visit.put("path.toml", format!("{}\n{offset}", fixture("nine_errors_900/generic.toml")));
+    visit.put("path.toml", fixture("nine_errors_900/generic.toml") + G54);
     visit.copy("nine_errors_900/errors.csv", "errors.csv");
     let part = "G90 G21\nG0 X10 Y10 Z-100\nG1 Z-110 F1000\nX800\nG2 Y600 I0 J295\nG81 X200 Y200 Z-120 R-105 F200\nX600 Y500\nG80\nM30\n";
     visit.put("part.nc", part);

@@ -1,6 +1,6 @@
 //! What `verify --after` says of single faults: the number, the place to look at, the words, and
 //! what is refused. How often faults are named at all stands in tests/studies/causes.rs.
-use crate::support::{Random, Visit, holds, number};
+use crate::support::{Random, Visit, error_rows, holds, number};
 use serde_json::Value;
 
 /// Noise of both measurements, µm.
@@ -25,7 +25,7 @@ struct Machine {
 struct Row {
     along: char,
     of: char,
-    way: &'static str,
+    is_back: bool,
     mm: f64,
 }
 
@@ -40,7 +40,7 @@ impl Row {
 
     /// The reversal of the machine, left where its axes move in -.
     fn reversal(self) -> f64 {
-        if self.way == "-" && self.is_positioning() { REVERSAL_UM } else { 0.0 }
+        if self.is_back && self.is_positioning() { REVERSAL_UM } else { 0.0 }
     }
 }
 
@@ -53,7 +53,7 @@ const SIEMENS: Machine = Machine {
     seed: 2,
 };
 
-const HIGH_MM: [(char, f64); 2] = [('x', 900.0), ('y', 720.0)];
+const HIGH_MM: [(&str, f64); 2] = [("x", 900.0), ("y", 720.0)];
 
 fn wavy(row: Row) -> f64 {
     let phase = f64::from(u32::from(row.along) + 3 * u32::from(row.of));
@@ -76,17 +76,13 @@ fn places(machine: &Machine, high: f64) -> impl Iterator<Item = f64> {
 fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
     let mut random = Random::new(seed);
     let mut noise = || NOISE_UM * ((0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0);
-    let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n");
-    let ways: &[&'static str] = if machine.both_ways { &["+", "-"] } else { &[""] };
-    for (along, high) in HIGH_MM {
-        for way in ways {
-            for mm in places(machine, high) {
-                let [ex, ey] = ['x', 'y'].map(|of| value(Row { along, of, way, mm }) + noise());
-                csv += &format!("{along},{way},{mm},{ex:.6},{ey:.6},{NOISE_UM},{NOISE_UM}\n");
-            }
-        }
-    }
-    csv
+    let axes = HIGH_MM.map(|(axis, high)| (axis, places(machine, high).collect()));
+    let ways: &[&str] = if machine.both_ways { &["+", "-"] } else { &[""] };
+    error_rows("ex_um,ey_um,u_ex_um,u_ey_um", &axes, ways, |axis, way, mm| {
+        let (along, is_back) = (axis.chars().next().unwrap(), way == "-");
+        let [ex, ey] = ['x', 'y'].map(|of| value(Row { along, of, is_back, mm }) + noise());
+        [ex, ey, NOISE_UM, NOISE_UM]
+    })
 }
 
 fn job(machine: &Machine, errors: &str, active: &str) -> String {
@@ -107,7 +103,6 @@ fn visit(machine: &Machine) -> Visit {
     Visit::with(job(machine, "errors.csv", "none"), errors).with_any_kit()
 }
 
-/// What is said of a second measurement.
 struct Found {
     kinds: Vec<String>,
     words: Vec<String>,
@@ -116,7 +111,6 @@ struct Found {
     page: Value,
 }
 
-/// The diagnosis of a second measurement: `job.toml --tables kit --after after.csv`.
 fn diagnosis(visit: &Visit, arguments: &str) -> Found {
     let page = visit.json(&format!("verify {arguments}"))["diagnosis"].clone();
     println!("{page:#}");
@@ -207,7 +201,7 @@ fn a_shift_of_a_control_that_corrects_in_steps_lies_within_its_uncertainty() {
     let machine = Machine { controller: "fanuc-30i", ..SIEMENS };
     let steps = |row: Row, shift: f64| {
         let nearest = ((row.mm - shift) / 30.0).round() * 30.0;
-        let high = HIGH_MM.iter().find(|(axis, _)| *axis == row.along).unwrap().1;
+        let high = HIGH_MM.iter().find(|(axis, _)| axis.starts_with(row.along)).unwrap().1;
         wavy(row.at(nearest.clamp(0.0, high)))
     };
     for shift in [60.0, 90.0, -40.0, -100.0] {
@@ -261,7 +255,7 @@ fn plain_causes_stand_first() {
 
 #[test]
 fn what_nothing_explains_is_named_with_its_place() {
-    let bump = Row { along: 'x', of: 'x', way: "", mm: 450.0 };
+    let bump = Row { along: 'x', of: 'x', is_back: false, mm: 450.0 };
     let found = after(&SIEMENS, |row| if row == bump { 5.0 } else { 0.0 });
     assert_eq!(found.page["as_forecast"], false);
     assert!(found.kinds.is_empty());

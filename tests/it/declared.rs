@@ -1,25 +1,16 @@
 //! The control of docs/own-control.md §1, added without Rust: the page's own files, from the profile to the second visit;
 //! and what the built-in profiles of this dialect ask of files and checklists.
 
-use crate::support::{Visit, page, replaced};
+use crate::support::{Visit, block_behind, own_profile, page, replaced};
 
 const NO_PATTERN: &str = "no pattern of the profile takes this line";
-
-/// The fenced block behind a marker of the page, without its indent.
-fn block(marker: &str) -> String {
-    let page = page("docs/own-control.md");
-    let rest = page.split(marker).nth(1).expect(marker);
-    let lines = rest.lines().skip_while(|line| !line.trim_start().starts_with("```"));
-    let lines = lines.skip(1).take_while(|line| line.trim() != "```");
-    let lines = lines.map(|line| line.strip_prefix("   ").unwrap_or(line));
-    lines.map(|line| format!("{line}\n")).collect()
-}
 
 /// The page's profile and template, and a job with its errors.
 fn visit() -> Visit {
     let visit = Visit::with_job("machines/five_points/generic.toml");
-    visit.put("norden.toml", block("as `norden.toml`:"));
-    visit.put("n5.txt.tera", block("the template `n5.txt.tera` beside it."));
+    let guide = page("docs/own-control.md");
+    visit.put("norden.toml", block_behind(&guide, "as `norden.toml`:"));
+    visit.put("n5.txt.tera", block_behind(&guide, "the template `n5.txt.tera` beside it."));
     visit.edit("job.toml", "\"generic\"", "\"norden.toml\"");
     visit.edit("job.toml", "\"two-tables\"", "\"mean\"");
     visit
@@ -32,7 +23,6 @@ fn with_kit() -> (Visit, String) {
     (visit, table)
 }
 
-/// The value of a point in a file.
 fn value(text: &str, table: &str, point: u32) -> i64 {
     let rest = text.split(&format!("TABLE {table}\r\n")).nth(1).expect(table);
     let begin = format!("{point} ");
@@ -50,11 +40,11 @@ fn the_profile_of_the_page_makes_files_that_read_back() {
     }
     assert!(text.contains("FIRST -200.000 STEP 100.000 POINTS 5\r\n1 "), "{text}");
     // The sample of the manual is a file of this control.
-    visit.put("sample/READ.TXT", block("says on pages 88 and 89:"));
+    let sample = block_behind(&page("docs/own-control.md"), "says on pages 88 and 89:");
+    visit.put("sample/READ.TXT", sample);
     visit.run("verify job.toml --tables sample").ends(1).omits("no pattern");
 }
 
-/// The same file, counted in the detection unit of the job.
 #[test]
 fn values_may_count_the_detection_unit() {
     let (_, fixed) = with_kit();
@@ -77,13 +67,9 @@ fn values_may_count_the_detection_unit() {
     visit.put("read/READ.TXT", &text).yes("verify job.toml --tables read");
     visit.edit("job.toml", "unit_um = 0.5", "unit_um = 1.0");
     visit.run("verify job.toml --tables read").ends(1).says("every correction is double");
-    visit.put(
-        "norden.toml",
-        counted.replace(
-            "position_size = { value = \"mm\"",
-            "position_size = { value = \"detection_unit\"",
-        ),
-    );
+    let size = "position_size = { value = \"";
+    let own_size = replaced(&counted, &format!("{size}mm"), &format!("{size}detection_unit"));
+    visit.put("norden.toml", own_size);
     visit.run("controllers check norden.toml").ends(2).says("`position_size` is out of range");
     visit.put("norden.toml", counted.replace("0.1 detection", "-1 detection"));
     visit.run("controllers check norden.toml").ends(2).says("`detection_unit`");
@@ -192,8 +178,7 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
 /// What is written has no point behind an end of the travel: fixtures/cases/refuses/controls.txt.
 #[test]
 fn a_table_beyond_the_travel_is_refused_where_the_control_uses_no_point_there() {
-    let visit = Visit::with_job("machines/five_points/weihong.toml");
-    let visit = visit.with_any_kit();
+    let visit = Visit::with_job("machines/five_points/weihong.toml").with_any_kit();
     let (last, beyond) = ("200.000, -0.006, -0.006", "225.000, -0.006, -0.006");
     visit.put("beyond/READ.TXT", replaced(&visit.read("kit/axeserr.dat"), last, beyond));
     let ran = visit.run("verify job.toml --tables beyond").ends(1);
@@ -205,7 +190,8 @@ fn a_table_beyond_the_travel_is_refused_where_the_control_uses_no_point_there() 
 fn a_profile_adds_steps_to_the_checklist_of_its_base() {
     let visit = Visit::with_job("machines/five_points/weihong.toml");
     visit.edit("job.toml", "\"weihong\"", "\"own.toml\"");
-    visit.put("own.toml", "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"weihong\"\n\n[[steps]]\npart = \"Before anything is loaded\"\ntext = \"Call the owner.\"\nevidence = \"manual\"\nsource = \"the owner\"\n");
+    let step = "[[steps]]\npart = \"Before anything is loaded\"\ntext = \"Call the owner.\"\nevidence = \"manual\"\nsource = \"the owner\"\n";
+    visit.put("own.toml", own_profile("weihong", step));
     visit.run("generate job.toml -o kit").answers();
     let list = visit.read("kit/checklist.md");
     let at = |words: &str| list.find(words).unwrap_or_else(|| panic!("{words}: {list}"));

@@ -1,7 +1,7 @@
 //! The same bytes everywhere: files and standard output depend on the inputs and the command only, not
 //! on language, time zone, cores, working directory or environment.
 
-use crate::support::{self, Entry, Tree, Visit, difference, skipped};
+use crate::support::{self, Entry, Tree, Visit, difference, skipped, succeeds};
 use nonius::visit::files::Memory;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -109,8 +109,7 @@ fn language_time_zone_and_environment_change_no_byte() {
 #[cfg(target_os = "linux")]
 #[test]
 fn one_core_or_all_change_no_byte() {
-    let tried = Command::new("taskset").args(["-c", "0", "true"]).output();
-    if !tried.is_ok_and(|output| output.status.success()) {
+    if !succeeds(Command::new("taskset").args(["-c", "0", "true"])) {
         return skipped("taskset is not here");
     }
     for (command, expected) in commands() {

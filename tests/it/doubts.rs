@@ -114,7 +114,6 @@ fn steps_in_another_order_are_told() {
     }
 }
 
-/// A machine without waves tells no names apart: that is said, and no finding.
 #[test]
 fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     let mut random = seeded(1);
@@ -214,7 +213,6 @@ fn roll_makes_ramps_and_accuses_no_reading() {
     }
 }
 
-/// A stated noise counts beside few degrees of freedom only, and not against what is found.
 #[test]
 fn a_stated_noise_that_the_scatter_contradicts_is_told_and_does_not_count() {
     let readings = repeated(1, 1);
@@ -391,7 +389,6 @@ fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
     holds(&notes, &["diagonal PPP becomes larger"]);
 }
 
-/// A thousandth of the errors: values in mm under a column in µm.
 #[test]
 fn values_in_mm_under_a_column_in_um_are_doubted() {
     let visit = Visit::of("start/errors");

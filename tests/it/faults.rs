@@ -7,8 +7,8 @@
 
 use super::lost::PROGRAM;
 use crate::support::{
-    DIAGONALS, Entry, Ran, Tree, Visit, below, copies, difference, in_parallel, is_whole, lay,
-    nonius, skipped, told, tree,
+    DIAGONALS, Entry, G54, Ran, Tree, Visit, below, copies, difference, in_parallel, is_whole, lay,
+    nonius, skipped, succeeds, told, tree,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -53,8 +53,7 @@ fn old_run(visit: &Visit) {
 
 /// 0.6 MB of samples.
 fn with_part_program(visit: &Visit) {
-    let offset = "\n[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
-    append(visit, "job.toml", offset);
+    append(visit, "job.toml", G54);
     let there_and_back = "X400.\nX0.\n".repeat(8);
     visit.put("part.nc", format!("G21 G90 G1 F1000\n{there_and_back}M30\n"));
 }
@@ -280,7 +279,6 @@ fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
 /// The option of [`traced`] for a run that ignores Ctrl-C.
 const BACKGROUND: &str = "background ";
 
-/// What happens at a system call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     /// Killed: nothing can be tidied up.
@@ -337,9 +335,7 @@ fn judge(played: &Played, fault: Fault, ran: &Ran, found: &Tree) -> Result<(), S
 
 /// Tries faults at the system calls of all scenes: every `step`th of each scene, or all.
 fn try_faults(fault: Fault, ways: &[&str], step: usize) {
-    let mut strace = Command::new("strace");
-    let traced = strace.args(["-f", "-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
-    if !traced.is_ok_and(|status| status.success()) {
+    if !succeeds(Command::new("strace").args(["-f", "-o", "/dev/null", "true"])) {
         return skipped("strace is not here, or may not trace");
     }
     let step = if is_whole() { 1 } else { step };
@@ -383,17 +379,14 @@ impl Stick {
     /// `None` where none can be mounted.
     fn new(size: &str) -> Option<Stick> {
         let folder = tempfile::tempdir().unwrap();
-        let mut mount = Command::new("mount");
-        mount.args(["-t", "tmpfs", "-o", size, "tmpfs"]).arg(folder.path());
-        let mounted = mount.stderr(Stdio::null()).status();
-        mounted.is_ok_and(|status| status.success()).then(|| Stick(folder))
+        let tmpfs = ["-t", "tmpfs", "-o", size, "tmpfs"];
+        succeeds(Command::new("mount").args(tmpfs).arg(folder.path())).then(|| Stick(folder))
     }
 }
 
 impl Drop for Stick {
     fn drop(&mut self) {
-        let unmounted = Command::new("umount").arg("-l").arg(self.0.path()).status();
-        assert!(unmounted.is_ok_and(|status| status.success()));
+        assert!(succeeds(Command::new("umount").arg("-l").arg(self.0.path())));
     }
 }
 

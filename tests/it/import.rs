@@ -51,7 +51,6 @@ fn rows(table: &str) -> String {
     rows.collect::<Vec<_>>().join("\n")
 }
 
-/// The table has these rows.
 #[track_caller]
 fn becomes(name: &str, file: &str, stated: &Stated, expected: &str) -> String {
     let text = table(name, file, stated);
@@ -94,7 +93,6 @@ fn mapped(columns: &str, axis: Axis) -> Stated {
     }
 }
 
-/// Two columns of X.
 fn two_columns(decimal: Option<Decimal>) -> Stated {
     Stated { decimal, ..mapped("Pos=position_mm,Dev=ex_um", Axis::X) }
 }
@@ -342,7 +340,6 @@ fn a_comma_is_read_as_decimal_where_it_shows_or_is_stated() {
     becomes("x.csv", "Pos;Dev\n0;0,125\n5;1,000\n", &two_columns(None), expected);
 }
 
-/// A column may be named by its number; a mapped text may have any ending.
 #[test]
 fn columns_are_found_by_number_and_in_any_text() {
     let numbered = mapped("Pos=position_mm,#3=ex_um", Axis::X);

@@ -1,6 +1,6 @@
 //! LinuxCNC from a job to the machine's ini file and back: what is served, what BACKLASH does to a kit, what is
 //! judged of files read out, and that the interpreter of LinuxCNC takes the programs (where it is installed).
-use crate::support::{Visit, holds, number};
+use crate::support::{Visit, holds, number, own_profile};
 use std::process::Command;
 
 const NONE: &str = "active_while_measuring = \"none\"\nactive_backlash_um = { x = 0.0, y = 0.0 }";
@@ -99,21 +99,20 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
         ("joint-0.comp", "50.000000", "# 50\n50.000000", 2, "stops reading here without a word"),
     ] {
         println!("{name}: {to}");
-        let path = format!("out/{name}");
-        let text = visit.read(&path);
-        visit.edit(&path, from, to);
-        visit.run(verify).ends(status).says(words);
-        visit.put(&path, text);
+        visit.run_with(&format!("out/{name}"), from, to, verify).ends(status).says(words);
     }
 }
 
-/// Positions reached in place of values to add: another file, the same effect.
 #[test]
 fn a_profile_may_write_the_other_type() {
-    let own = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"linuxcnc\"\n[facts.columns]\n\
-               value = \"reached\"\nevidence = \"manual\"\nsource = \"a shop that writes type 0\"\n";
+    let columns =
+        "[facts.columns]\nvalue = \"reached\"\nevidence = \"manual\"\nsource = \"a shop\"\n";
     let visit = visit(NONE, TWO);
-    visit.put("own.toml", own).edit("job.toml", "\"linuxcnc\"", "\"own.toml\"");
+    visit.put("own.toml", own_profile("linuxcnc", columns)).edit(
+        "job.toml",
+        "\"linuxcnc\"",
+        "\"own.toml\"",
+    );
     visit.yes("generate job.toml -o kit");
     let rows = "0.000000 0.000000 0.004000\n50.000000 50.006000 50.010000\n100.000000 100.016000 100.020000\n";
     assert_eq!(visit.read("kit/joint-0.comp"), rows);

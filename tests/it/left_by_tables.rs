@@ -115,7 +115,6 @@ fn measured_again(naked: &str, left: &str) -> Visit {
     visit
 }
 
-/// A kit was active while measuring; new tables are added to the machine without the old ones.
 #[test]
 fn as_it_is_means_as_it_was_measured() {
     let naked = "x,0,0,0,0\nx,450,30,0,0\nx,900,40,0,0\n";
@@ -177,7 +176,6 @@ fn nothing_left_is_nothing_in_every_definition() {
     }
 }
 
-/// With any offsets and tool.
 #[test]
 fn squareness_and_a_slope_of_the_table_are_one_machine() {
     let level = along_x("x,0,0,0,0\nx,900,10,0,0\n");
@@ -226,7 +224,6 @@ fn too_many_own_nodes_are_refused() {
     visit.run("assess job.toml").ends(2).says("465 x 465 x 465, more than 100000000");
 }
 
-/// Before and after are judged at the same nodes; sub-volumes need even ones.
 #[test]
 fn one_grid_for_before_and_after() {
     let errors = along_x("x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n");

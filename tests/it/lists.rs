@@ -157,7 +157,6 @@ fn lists_of_all_diagonals_fill_a_form() {
     ran.says("every capture of the form has its value");
 }
 
-/// Real bidirectional runs of a stage, as a list in the order of its captures.
 #[test]
 fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
     let Some(path) = shared("iso230-2/iso230_2_ess_b02_x.csv") else { return };

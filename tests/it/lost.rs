@@ -2,7 +2,7 @@
 //! this program made and nobody touched, and no input is cut or exchanged without a word.
 
 use super::large::patiently;
-use crate::support::{Ran, Visit, below, copies, replaced};
+use crate::support::{Ran, Visit, below, copies, own_profile, replaced, succeeds};
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -66,9 +66,7 @@ fn an_output_is_a_regular_file_or_new() {
     fs::create_dir(visit.at("folder")).unwrap();
     // A device of the test's own; only root can make one.
     let device = visit.at("device");
-    let mut mknod = Command::new("mknod");
-    let made = mknod.arg(&device).args(["c", "1", "3"]).stderr(Stdio::null()).status();
-    let has_device = made.is_ok_and(|status| status.success());
+    let has_device = succeeds(Command::new("mknod").arg(&device).args(["c", "1", "3"]));
     for output in ["pipe", "folder", "device"].into_iter().take(2 + usize::from(has_device)) {
         let says = if output == "folder" { "is a directory" } else { "is no regular file" };
         refused(&visit, &format!("simulate job.toml --errors -o {output} --force"), says);
@@ -89,8 +87,7 @@ fn an_output_is_a_regular_file_or_new() {
 
 #[cfg(unix)]
 fn fifo(path: &Path) {
-    let made = Command::new("mkfifo").arg(path).status();
-    assert!(made.is_ok_and(|status| status.success()), "mkfifo");
+    assert!(succeeds(Command::new("mkfifo").arg(path)), "mkfifo");
 }
 
 #[test]
@@ -140,15 +137,13 @@ fn force_removes_nothing_of_a_users() {
 #[cfg(unix)]
 #[test]
 fn what_is_replaced_keeps_its_permissions() {
-    use std::os::unix::fs::PermissionsExt;
     let visit = Visit::of("start/errors");
     let simulate = "simulate job.toml --errors -o after.csv --force";
     for (name, command, mode) in [("after.csv", simulate, 0o600), ("kit", FORCE, 0o2750)] {
         expect(&visit, command, 0, "wrote");
-        fs::set_permissions(visit.at(name), fs::Permissions::from_mode(mode)).unwrap();
+        visit.set_mode(name, mode);
         expect(&visit, command, 0, "wrote");
-        let found = fs::metadata(visit.at(name)).unwrap();
-        assert_eq!(found.permissions().mode() & 0o7777, mode, "{name}");
+        assert_eq!(visit.mode(name), mode, "{name}");
     }
 }
 
@@ -217,10 +212,11 @@ fn history_follows_no_path_out_of_a_kit() {
 
 #[test]
 fn a_template_that_cannot_be_read_is_not_replaced_by_the_built_in_one() {
-    let shop = "schema = 1\nid = 'shop'\nname = 'Control of the shop'\nbased_on = 'generic'\n\
-                [[files]]\nrole = 'table'\npath = 'TABLE.CSV'\ntemplate = 'generic.csv.tera'\n";
+    let file = "[[files]]\nrole = 'table'\npath = 'TABLE.CSV'\ntemplate = 'generic.csv.tera'\n";
     let visit = Visit::of("start/errors");
-    visit.edit("job.toml", "siemens-840d-sl", "shop.toml").put("shop.toml", shop);
+    visit
+        .edit("job.toml", "siemens-840d-sl", "shop.toml")
+        .put("shop.toml", own_profile("generic", file));
     expect(&visit, MAKE, 0, "wrote");
     visit.put("generic.csv.tera", b"{# Fr\xe4se #}{{ nothing }}");
     refused(&visit, "generate job.toml -o other", "generic.csv.tera");

@@ -1,5 +1,5 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::{Ran, Visit, error_table, positioning_ids, short_or};
+use crate::support::{Ran, Visit, error_rows, error_table, own_profile, positioning_ids, short_or};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::inputs::error_table::Kind;
 use nonius::quantity::Axis;
@@ -74,21 +74,20 @@ fn deviations(axis: usize, at_mm: f64, is_back: bool) -> [f64; 3] {
 
 /// The invented machine as an error table, with rows at the ends of a box of diagonals too.
 fn machine(at: &Visit, steps: u32, both: bool, box_ends: &[[f64; 2]; 3]) {
-    let (head, ways) = if both { (",direction", &[",+", ",-"][..]) } else { ("", &[""][..]) };
-    let mut table = format!("axis,position_mm,ex_um,ey_um,ez_um{head}\n");
-    for (axis, ([low, high], ends)) in TRAVEL.into_iter().zip(box_ends).enumerate() {
+    let places = |axis: usize| {
+        let [low, high] = TRAVEL[axis];
         let node = |node: u32| low + (high - low) * f64::from(node) / f64::from(steps);
-        let mut places: Vec<f64> = (0..=steps).map(node).chain(*ends).collect();
+        let mut places: Vec<f64> = (0..=steps).map(node).chain(box_ends[axis]).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
-        for way in ways {
-            for mm in &places {
-                let [x, y, z] = deviations(axis, *mm, *way == ",-");
-                table += &format!("{},{mm},{x},{y},{z}{way}\n", AXES[axis]);
-            }
-        }
-    }
-    at.put("machine.csv", table);
+        (AXES[axis], places)
+    };
+    let ways: &[&str] = if both { &["+", "-"] } else { &[""] };
+    let deviations = |axis: &str, way: &str, mm| {
+        deviations(AXES.iter().position(|own| *own == axis).unwrap(), mm, way == "-")
+    };
+    let axes = [0, 1, 2].map(places);
+    at.put("machine.csv", error_rows("ex_um,ey_um,ez_um", &axes, ways, deviations));
 }
 
 /// A visit that was begun in the folder `visit`.
@@ -279,7 +278,7 @@ fn what_is_there_stays_unless_it_is_forced() {
 #[test]
 fn a_profile_of_ones_own_is_named_from_inside_the_visit() {
     let at = &Visit::new();
-    at.put("shop.toml", "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"fanuc-30i\"\n");
+    at.put("shop.toml", own_profile("fanuc-30i", ""));
     begun(at, "shop.toml", "");
     fill_in(at, "visit/job.toml", SLOPES, &[]);
     machine(at, 16, false, &TRAVEL);

@@ -2,9 +2,8 @@
 //! that failed, was ended or was killed.
 
 #![cfg(unix)]
-use crate::support::{Visit, below, program, replaced};
-use std::fs::{self, File};
-use std::os::unix::fs::PermissionsExt;
+use crate::support::{G54, Visit, below, own_profile, program, replaced, succeeds};
+use std::fs::File;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -65,7 +64,10 @@ fn a_run_that_fails_leaves_no_directory_behind() {
     // A name of a file in the kit that is longer than a name may be.
     let path = "A".repeat(300);
     let from = Visit::new();
-    from.put("own.toml", format!("schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\npath = \"{path}.CSV\"\ntemplate = \"generic.csv.tera\"\n"));
+    let file = format!(
+        "[[files]]\nrole = \"table\"\npath = \"{path}.CSV\"\ntemplate = \"generic.csv.tera\"\n"
+    );
+    from.put("own.toml", own_profile("generic", &file));
     let at = |visit: &Visit, name: &str| visit.at(name).display().to_string();
     let job = replaced(&visit.read("job.toml"), "siemens-840d-sl", &at(&from, "own.toml"));
     from.put("job.toml", replaced(&job, "errors.csv", &at(&visit, "errors.csv")));
@@ -83,9 +85,8 @@ fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
             format!("$N generate job.toml -o {kit} && $N simulate job.toml --errors -o {kit}.csv");
         visit.shell(&format!("umask {mask:o}; {write}")).ends(0);
         for (name, mode) in [("", 0o777), ("/manifest.json", 0o666), (".csv", 0o666)] {
-            let path = visit.at(&format!("{kit}{name}"));
-            let found = fs::metadata(path).expect("it was written").permissions().mode();
-            assert_eq!(found & 0o777, mode & !mask, "{kit}{name}");
+            let found = visit.mode(&format!("{kit}{name}")) & 0o777;
+            assert_eq!(found, mode & !mask, "{kit}{name}");
         }
     }
 }
@@ -94,8 +95,7 @@ fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
 fn long_program(visit: &Visit, repeats: usize) {
     let block = "G1 X100 Y50 F500\nX0 Y0\n".repeat(repeats);
     visit.put("long.nc", format!("G21 G90\n{block}M30\n"));
-    let zero = "[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
-    visit.put("path.toml", format!("{}\n{zero}", visit.read("job.toml")));
+    visit.put("path.toml", visit.read("job.toml") + G54);
 }
 
 /// Names of files that are being written, or were; their content may change meanwhile.
@@ -122,8 +122,8 @@ fn started(visit: &Visit, first: &str) -> Child {
 
 /// Sends a signal, and waits for the end.
 fn ended_by(mut child: Child, signal: &str) -> Option<i32> {
-    let sent = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|sent| sent.success()));
+    let own = child.id().to_string();
+    assert!(succeeds(Command::new("kill").args([format!("-{signal}"), own])));
     child.wait().expect("it ends").code()
 }
 
@@ -174,7 +174,6 @@ fn signals_that_the_run_was_started_to_ignore_stay_ignored() {
     }
 }
 
-/// A program that holds the folder's lock for its own reasons does not hold the run up.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_lock_on_the_folder_is_not_waited_for() {

@@ -2,11 +2,10 @@
 //! output, places that are read-only, links, or inputs.
 
 use crate::support::{
-    Ran, Visit, below, copies, difference, is_installed, is_of_windows, program, skipped,
+    Ran, Visit, below, copies, difference, is_installed, is_of_windows, program, skipped, succeeds,
 };
 use std::ffi::OsStr;
-use std::fs::{self, Permissions};
-use std::path::Path;
+use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -84,7 +83,6 @@ fn of_twenty_that_fill_in_one_form_one_does() {
     assert!(visit.read("form.csv").contains("1,1,+,500\n"));
 }
 
-/// Standard input is an input like any other.
 #[cfg(unix)]
 #[test]
 fn a_form_that_comes_in_by_standard_input_is_not_replaced() {
@@ -92,7 +90,6 @@ fn a_form_that_comes_in_by_standard_input_is_not_replaced() {
     Visit::of("base/form").refuses(&format!("$N {line}")).says("would replace");
 }
 
-/// A limit of the size of files is an error of writing, not the end of the run.
 #[cfg(unix)]
 #[test]
 fn files_beyond_what_the_user_may_write_leave_nothing() {
@@ -100,7 +97,6 @@ fn files_beyond_what_the_user_may_write_leave_nothing() {
     ran.says("cannot write");
 }
 
-/// A form that somebody saves while a run is about to put its own there: what they wrote stays.
 #[test]
 fn a_form_that_was_saved_meanwhile_is_not_replaced() {
     if !cfg!(target_os = "linux") || !is_installed("strace") {
@@ -143,13 +139,11 @@ fn with_a_closed_standard_output_the_same_is_written() {
 #[cfg(unix)]
 #[test]
 fn names_and_directories_that_cannot_be_read_are_told_in_the_right_words() {
-    use std::os::unix::{ffi::OsStrExt, fs::PermissionsExt, process::CommandExt};
+    use std::os::unix::{ffi::OsStrExt, process::CommandExt};
     let visit = Visit::of("start/errors").with_kit();
-    let allow =
-        |path: &Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
     fs::create_dir(visit.at("closed")).unwrap();
-    allow(visit.folder(), 0o777);
-    allow(&visit.at("closed"), 0o000);
+    visit.set_mode(".", 0o777);
+    visit.set_mode("closed", 0o000);
     for words in
         ["history closed", "generate job.toml -o closed", "verify job.toml --tables closed"]
     {
@@ -160,7 +154,7 @@ fn names_and_directories_that_cannot_be_read_are_told_in_the_right_words() {
         };
         Ran::of(words, &output).ends(2).says("permission denied");
     }
-    allow(&visit.at("closed"), 0o777);
+    visit.set_mode("closed", 0o777);
     fs::write(visit.at("kit").join(OsStr::from_bytes(b"x\xff")), "").unwrap();
     let ran = visit.run("verify job.toml --tables kit").ends(2);
     ran.says(r#"the name "x\xFF" of a file in it is not UTF-8"#);
@@ -169,20 +163,14 @@ fn names_and_directories_that_cannot_be_read_are_told_in_the_right_words() {
 #[cfg(unix)]
 #[test]
 fn a_place_that_is_read_only_is_refused() {
-    use std::os::unix::fs::PermissionsExt;
     let visit = Visit::of("start/errors");
     let closed = visit.at("closed");
     fs::create_dir(&closed).expect("a directory");
     visit.yes("generate job.toml -o closed/kit");
     visit.yes("simulate job.toml --errors -o closed/put.csv");
-    let mode = |mode| fs::Permissions::from_mode(mode);
-    fs::set_permissions(&closed, mode(0o555)).expect("its owner may");
+    visit.set_mode("closed", 0o555);
     // The administrator may write there all the same, unless all that is below is mounted read-only.
-    let mount = |options: &[&str]| {
-        let mut command = Command::new("mount");
-        command.args(options).arg(&closed).stderr(Stdio::null());
-        command.status().is_ok_and(|status| status.success())
-    };
+    let mount = |options: &[&str]| succeeds(Command::new("mount").args(options).arg(&closed));
     let is_mounted = mount(&["--bind", &closed.to_string_lossy()]);
     let is_closed = fs::create_dir(closed.join("try")).is_err() || {
         fs::remove_dir(closed.join("try")).expect("just made");
@@ -199,10 +187,9 @@ fn a_place_that_is_read_only_is_refused() {
     .map(|words| visit.run(words));
     let after = visit.files();
     if is_mounted {
-        let unmounted = Command::new("umount").arg(&closed).status();
-        assert!(unmounted.is_ok_and(|status| status.success()));
+        assert!(succeeds(Command::new("umount").arg(&closed)));
     }
-    fs::set_permissions(&closed, mode(0o755)).expect("its owner may");
+    visit.set_mode("closed", 0o755);
     if !is_closed {
         return skipped("nothing is closed to this user, and nothing can be mounted");
     }

@@ -1,7 +1,7 @@
 //! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
 //! can be made.
 use crate::shortage::job;
-use crate::support::{self, fixtures, shown, source};
+use crate::support::{self, fixtures, own_profile, shown, source};
 use nonius::control::controller::{
     Dialect, EmittedFile, Evidence, Mechanism, Profile, ProfileSource, Role, Statement,
     StraightnessForm, builtin, load,
@@ -102,11 +102,9 @@ fn of_page(page: &str) -> Profile {
 /// taken, and shown.
 #[test]
 fn a_step_without_an_origin_is_a_rule_of_this_program() {
-    let own = of_page(
-        "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"klipper-skew\"\n\
-         [facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\
-         [[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n",
-    );
+    let keys = "[facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\
+        [[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n";
+    let own = of_page(&own_profile("klipper-skew", keys));
     let step = &own.checklist[0].text;
     assert_eq!(step.source, "a rule of this program, not of the control");
     assert_eq!(step.evidence, Evidence::Manual);
@@ -116,11 +114,11 @@ fn a_step_without_an_origin_is_a_rule_of_this_program() {
 /// Facts of the page itself decide which files of the page below are written, and what is not stated stays.
 #[test]
 fn a_page_is_laid_over_the_one_it_builds_on() {
-    let page = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"siemens-828d\"\n\
-        [facts.table_form]\nvalue = \"data\"\nevidence = \"manual\"\nsource = \"a page\"\n\
+    let keys = "[facts.table_form]\nvalue = \"data\"\nevidence = \"manual\"\nsource = \"a page\"\n\
         [facts.cec_sign]\nvalue = \"as_correction\"\nevidence = \"executed\"\nsource = \"a proof\"\n\
         [program]\nextension = \"SPF\"\n";
-    let (own, base) = (of_page(page), builtin::profile("siemens-828d").unwrap());
+    let (own, base) =
+        (of_page(&own_profile("siemens-828d", keys)), builtin::profile("siemens-828d").unwrap());
     assert!(own.files.iter().any(|file| file.path.ends_with(".INI")));
     assert!(base.files.iter().all(|file| !file.path.ends_with(".INI")));
     assert_eq!(own.checklist, base.checklist);

@@ -261,7 +261,6 @@ fn switches_are_named_by_what_they_do_now() {
     cnc.judge("pass", &[("a.txt", &of_others), ("b.txt", "$SN_CEC_TABLE_ENABLE[9]=0\nM30\n")]);
 }
 
-/// A control writes every parameter it has; what does nothing must not stop the reading.
 #[test]
 fn functions_that_are_not_used_do_nothing() {
     let cnc = fanuc("mean");
@@ -345,7 +344,6 @@ fn points_of_a_slave_of_a_gantry_are_told() {
     cnc.is(&slave.concat(), "pass", "takes the points of axis 1, as the slave of a gantry does");
 }
 
-/// A read-out may hold part programs beside the active data; they do nothing before they are run.
 #[test]
 fn part_programs_beside_active_data_are_no_state() {
     let cnc = siemens("mean");

@@ -1,15 +1,9 @@
 //! The README shows what the program prints, and its table of evidence is that of the profiles.
 use crate::support::{
-    Ran, Visit, evidence, fixture, fixtures, needs_unit, page, program, replaced,
+    Visit, block_behind, evidence, fixture, fixtures, in_repository, is_shown, needs_unit, page,
+    replaced,
 };
 use nonius::control::controller::builtin;
-
-/// The fenced block behind a line that holds `marker`.
-fn block_behind(text: &str, marker: &str) -> String {
-    let (_, rest) = text.split_once(marker).expect("the marker stands in the page");
-    let block = rest.split("```").nth(1).expect("a fenced block follows");
-    block.trim_start_matches("text").trim().to_string()
-}
 
 #[test]
 fn the_readme_shows_what_the_main_job_prints() {
@@ -18,11 +12,8 @@ fn the_readme_shows_what_the_main_job_prints() {
     let (kit, drawn) = (kit.display(), drawn.display());
     let job = "fixtures/nine_errors_900/fanuc-30i.toml";
     let command = format!("generate {job} -o \"{kit}\" --plot \"{drawn}\"");
-    let output = program(&fixtures(".."), &command).output().unwrap();
-    let printed = Ran::of(&command, &output).ends(0).out;
-    let shown = block_behind(&page("README.md"), "checked by tests/it/readme.rs");
-    let is_shown = !shown.is_empty() && printed.contains(&shown);
-    assert!(is_shown, "README shows\n{shown}\n\nthe program prints\n{printed}");
+    let printed = in_repository(&command).ends(0).out;
+    is_shown(&page("README.md"), "checked by tests/it/readme.rs", &printed);
     let drawn = visit.read("before-after.svg");
     let kept = fixtures("../docs/before-after.svg");
     if std::env::var_os("NONIUS_UPDATE").is_some() {
@@ -32,7 +23,6 @@ fn the_readme_shows_what_the_main_job_prints() {
     assert_eq!(drawn, kept, "the picture of the README is what the program draws: NONIUS_UPDATE=1");
 }
 
-/// The contents of the book name each page once.
 #[test]
 fn the_contents_name_every_page() {
     let folder = std::fs::read_dir(fixtures("../docs")).unwrap();
@@ -47,7 +37,6 @@ fn the_contents_name_every_page() {
     assert_eq!(pages, listed);
 }
 
-/// Every command of docs/first-kit.md, as it is written there, in a copy of the folder that it names.
 #[test]
 fn the_first_kit_is_made_as_it_is_written() {
     let (page, visit) = (page("docs/first-kit.md"), Visit::of("start/readings"));
@@ -55,9 +44,8 @@ fn the_first_kit_is_made_as_it_is_written() {
     for command in page.lines().filter_map(|line| line.strip_prefix("nonius ")) {
         printed += &visit.run(command).ends(0).out;
     }
-    for part in page.split("checked by tests/it/readme.rs").skip(1) {
-        let shown = block_behind(&format!("checked{part}"), "checked");
-        assert!(printed.contains(&shown), "the page shows\n{shown}\nthe program prints\n{printed}");
+    for part in page.split("<!-- checked").skip(1) {
+        is_shown(part, "by tests/it/readme.rs", &printed);
     }
 }
 
@@ -66,7 +54,6 @@ fn the_first_kit_is_made_as_it_is_written() {
 #[test]
 fn the_rehearsal_runs_as_it_is_written() {
     let script = block_behind(&page("docs/visit.md"), "run by tests/it/readme.rs");
-    let script = script.trim_start_matches("sh\n");
     let visit = Visit::new();
     std::os::unix::fs::symlink(fixtures(""), visit.at("fixtures")).unwrap();
     let ran = visit.shell(&format!("set -e; PATH=\"$(dirname $N):$PATH\"\n{script}")).ends(0);
@@ -141,14 +128,4 @@ fn as_many_readings_can_be_off_unnoticed_as_is_told() {
     ] {
         assert!(page.contains(words), "{words}");
     }
-}
-
-/// Of readings some uncertainties are known; only of the others it can be said that they are not.
-#[test]
-fn terms_without_an_uncertainty_are_named() {
-    let visit = Visit::of("start/readings");
-    visit.put("job.toml", visit.read("job.toml").replace("u_um_per_m", "# u_um_per_m"));
-    let ran = visit.run("generate job.toml -o kit");
-    let words = "U of EXX, EYY, EZZ is not stated and counted as 0";
-    assert!(ran.out.contains(words), "{}", ran.all());
 }

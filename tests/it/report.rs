@@ -96,7 +96,6 @@ fn an_error_table_alone_will_do() {
     assert!(items(&found, "missing_found").iter().any(|item| item.starts_with("EYY")));
 }
 
-/// Readings without tables: figures of the diagonals, squareness from the totals with its U, the doubt first.
 #[test]
 fn readings_without_tables_keep_their_doubts() {
     let visit = Visit::of("diagonals/case_d_bidirectional");

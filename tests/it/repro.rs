@@ -113,7 +113,6 @@ fn a_plan_names_the_visit_that_will_do_and_what_decides() {
     }
 }
 
-/// A limit that the readings do not decide: what decides, and a measurement that does.
 #[test]
 fn what_is_undecided_says_what_decides_it() {
     let stated = "setup_ppm = 1\nangle_urad = 0";

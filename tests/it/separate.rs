@@ -444,7 +444,6 @@ fn a_stated_bound_of_the_angles_widens_curves_and_squareness() {
     labelled(&with, words);
 }
 
-/// What is not stated goes from the readings through the error table into the verdict of whatever is made of it.
 #[test]
 fn what_is_not_stated_stands_in_the_table_and_leaves_the_verdict_undecided() {
     let made = |keys: &str| {

@@ -8,7 +8,6 @@ use nonius::quantity::ErrorTerm;
 use nonius::text::Finding;
 use nonius::write::findings::TableFinding;
 use nonius::write::plan::{PlannedTable, Task, plan};
-use std::fmt::Write;
 
 /// A job of three axes of 100 mm.
 pub(super) fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
@@ -55,20 +54,17 @@ fn errors_measured_moving_back_count_in_the_selection() {
 }
 
 fn both_ways() -> String {
-    let mut table = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    for (index, axis) in ["x", "y", "z"].iter().enumerate() {
-        for (direction, reversal) in [("+", 0.0), ("-", 2.0)] {
-            for row in 0..31 {
-                let x = f64::from(row) / 30.0;
-                let [ex, ey, ez] = [0, 1, 2].map(|of| {
-                    let size = 4.0 + ((index * 3 + of) * 5 % 9) as f64;
-                    size * (x * (1.5 + of as f64)).sin() + reversal * (1.0 + 0.1 * of as f64)
-                });
-                writeln!(table, "{axis},{direction},{},{ex},{ey},{ez}", 100.0 * x).unwrap();
-            }
-        }
-    }
-    table
+    let axes =
+        ["x", "y", "z"].map(|axis| (axis, (0..31).map(|row| f64::from(row) / 0.3).collect()));
+    support::error_rows("ex_um,ey_um,ez_um", &axes, &["+", "-"], |axis, way, at| {
+        let index = usize::from(axis == "y") + 2 * usize::from(axis == "z");
+        let reversal = if way == "-" { 2.0 } else { 0.0 };
+        [0, 1, 2].map(|of| {
+            let size = 4.0 + ((index * 3 + of) * 5 % 9) as f64;
+            let (x, of) = (at / 100.0, of as f64);
+            size * (x * (1.5 + of)).sin() + reversal * (1.0 + 0.1 * of)
+        })
+    })
 }
 
 /// A kit of a control with eight CEC tables, of which `more` may say that they are in use.

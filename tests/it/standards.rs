@@ -1,6 +1,6 @@
 //! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and files of
 //! runs of one axis (what is wrong with them: fixtures/cases/refuses/standards.txt).
-use crate::support::{DIAGONALS, Ran, Visit, fixtures, holds, page, program, shared, source};
+use crate::support::{DIAGONALS, Visit, holds, in_repository, is_shown, page, shared, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -37,7 +37,6 @@ fn by_name(axis: &AxisFigures, name: &str) -> Option<f64> {
     }
 }
 
-/// The figures of four stages, to the last digit that the independent computation printed.
 #[test]
 fn measured_stages_give_the_figures_of_an_independent_computation() {
     let Some(data) = shared("iso230-2") else { return };
@@ -55,7 +54,6 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
     }
 }
 
-/// Two runs over two targets.
 fn two_targets(up: Option<[[f64; 2]; 2]>, down: Option<[[f64; 2]; 2]>) -> Runs {
     let [up, down] = [up, down].map(|way| way.map(|um| um.map(Vec::from).to_vec()));
     Runs::new(vec![0.0, 100.0], up, down).unwrap()
@@ -158,7 +156,6 @@ fn flat(targets_mm: &[f64], count: usize) -> Runs {
     Runs::new(targets_mm.to_vec(), Some(um.clone()), Some(um)).unwrap()
 }
 
-/// So many targets in equal distances.
 fn even(count: u32, step_mm: f64) -> Vec<f64> {
     (0..count).map(|i| step_mm * f64::from(i)).collect()
 }
@@ -219,7 +216,6 @@ fn targets_in_a_heap_are_found() {
     assert_eq!(missed(&[0.0, 50.0, 250.0, 300.0, 400.0], 5), 0);
 }
 
-/// The conditions are about the travel: where it is stated, it is judged.
 #[test]
 fn a_stated_travel_is_judged_in_place_of_the_targets() {
     let runs = flat(&UNEVEN, 5);
@@ -238,7 +234,6 @@ fn a_stated_travel_is_judged_in_place_of_the_targets() {
     assert_eq!(noted(Travel::of(&runs, Some(450.0)).unwrap()), 0);
 }
 
-/// Each condition names the editions that ask for it, and how surely that is known.
 #[test]
 fn conditions_are_stated_by_edition() {
     let all = conditions(&flat(&UNEVEN, 5));
@@ -275,17 +270,11 @@ fn conditions_of_the_diagonals_are_tested() {
 
 #[test]
 fn the_page_shows_what_the_program_prints() {
-    let command = "standards fixtures/standards/x_axis.csv";
-    let output = program(&fixtures(".."), command).output().unwrap();
-    let ran = Ran::of(command, &output).ends(0);
-    let page = page("docs/standards.md");
-    let behind = page.split("checked by tests/it/standards.rs").nth(1).unwrap();
-    let shown = behind.split("```").nth(1).unwrap().trim_start_matches("text").trim();
-    assert!(!shown.is_empty());
-    assert!(ran.all().replace('\\', "/").contains(shown), "{}", ran.all()); // `\` of Windows
+    let printed = in_repository("standards fixtures/standards/x_axis.csv").ends(0).all();
+    let printed = printed.replace('\\', "/"); // `\` of Windows
+    is_shown(&page("docs/standards.md"), "checked by tests/it/standards.rs", &printed);
 }
 
-/// Every number of the document names its unit, and absent figures are `null`.
 #[test]
 fn the_json_names_units_and_leaves_absent_figures_null() {
     let visit = Visit::new();

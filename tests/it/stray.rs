@@ -6,7 +6,6 @@ use std::fs;
 
 const VERIFY: &str = "verify job.toml --tables kit";
 
-/// A fresh kit of the job to start from, beside its inputs.
 fn kit() -> Visit {
     Visit::of("start/errors").with_kit()
 }

@@ -18,7 +18,6 @@ const POINTS: &str = "PITCH.TXT";
 const PARAMETERS: &str = "CNC-PARA.TXT";
 const CSV: &str = "compensation.csv";
 
-/// A kit beside its job.
 struct Kit(Visit);
 
 impl Kit {

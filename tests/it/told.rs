@@ -1,7 +1,7 @@
 //! What `generate` says beside its figures: assumptions that matter apart from those that cannot,
 //! preconditions as sentences, the verdict where a person looks last.
 
-use crate::support::{Ran, Visit};
+use crate::support::{Ran, Visit, own_profile};
 
 /// The job to start from with a control of one's choice, and what `generate` says of it.
 fn told(controller: &str, profile: Option<&str>) -> (Visit, Ran) {
@@ -76,9 +76,8 @@ fn what_no_file_of_an_own_profile_sets_is_noted() {
     let file = |path: &str, template: &str| {
         format!("[[files]]\nrole = \"table\"\npath = \"{path}\"\ntemplate = \"{template}\"\n")
     };
-    let head = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"siemens-840d-sl\"\n";
     let files = file("EEC.MPF", "siemens-eec.mpf.tera") + &file("CEC.MPF", "siemens-cec.mpf.tera");
-    let page = format!("{head}{files}");
+    let page = own_profile("siemens-840d-sl", &files);
     let (visit, ran) = told("own.toml", Some(&page));
     let switches = "note: no file switches the tables on";
     ran.says(&format!("{switches}; see to MD32700"))
@@ -89,7 +88,7 @@ fn what_no_file_of_an_own_profile_sets_is_noted() {
 #[test]
 fn a_reversal_within_its_uncertainty_is_told_as_noise() {
     let (visit, _) = told("siemens-840d-sl", None);
-    visit.edit("job.toml", "[compensation]\n", "[compensation]\nbacklash = \"two-tables\"\n");
+    visit.under("[compensation]", "backlash = \"two-tables\"");
     // EXX: 3 µm between the directions; EYX: 1 µm, with u = 0.5 µm (U of a difference 1.4 µm).
     let rows = "x,+,0,0,0,0.5,0.5\nx,+,400,3,1,0.5,0.5\nx,-,0,-3,0,0.5,0.5\nx,-,400,0,2,0.5,0.5\n";
     let head = "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n";

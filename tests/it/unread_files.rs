@@ -81,7 +81,6 @@ fn a_foreign_program_is_told_also_where_it_sets_no_variable() {
     visit.run(VERIFY).ends(0).says("`OTHER.MPF` was ignored");
 }
 
-/// Every change of a kit that no reader would find, and what `verify` says of it.
 #[test]
 fn a_file_that_no_reader_takes_fails_turned_deleted_or_unlisted() {
     for keys in ["", "loaded = false"] {

@@ -10,8 +10,8 @@ mod read_outs;
 mod siemens_control;
 
 use crate::support::{
-    self, Random, UNCORRECTED, checklist, control, files_of, generate, holds, in_parallel, inputs,
-    response, shown, term, um_at, words,
+    self, Random, UNCORRECTED, checklist, control, error_rows, files_of, generate, holds,
+    in_parallel, inputs, response, shown, term, um_at, words,
 };
 use nonius::control::control_state::ControlState;
 use nonius::control::controller::{Profile, Role, builtin};

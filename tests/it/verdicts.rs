@@ -1,6 +1,6 @@
 //! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
 //! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
-use crate::support::{DIAGONALS, UNCORRECTED, Visit, job_of, number, replaced};
+use crate::support::{DIAGONALS, UNCORRECTED, Visit, error_rows, job_of, number, replaced};
 use serde_json::Value;
 use std::fs;
 
@@ -136,14 +136,11 @@ fn what_nobody_measured_afterwards_is_no_second_measurement() {
 
 /// The nine terms of a cube of 1 m about its reference, wavy, without any stated u.
 fn cube(places: &[f64], size: f64) -> String {
-    let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um\n");
-    for axis in ["x", "y", "z"] {
-        for x in places {
-            let wave = size * (x / 150.0).sin();
-            csv += &format!("{axis},{x},{:.4},{wave:.4},{:.4}\n", 2.0 * wave, -wave);
-        }
-    }
-    csv
+    let axes = ["x", "y", "z"].map(|axis| (axis, places.to_vec()));
+    error_rows("ex_um,ey_um,ez_um", &axes, &[""], |_, _, x| {
+        let wave = size * (x / 150.0).sin();
+        [2.0 * wave, wave, -wave]
+    })
 }
 
 fn cube_job(uncertainty: &str, lines: &str) -> String {
@@ -246,7 +243,6 @@ fn offers_hold(visit: &Visit, job: &str, own: &str, least: usize) -> Vec<String>
     offers.into_iter().map(|(policy, _)| policy.to_string()).collect()
 }
 
-/// A job with a backlash policy for its axes.
 fn with_policy(job: &str, policy: &str) -> String {
     replaced(job, "\"generic\"\n", &format!("\"generic\"\nbacklash = {policy}\n"))
 }
@@ -294,18 +290,14 @@ fn it_is_offered_beside_active_tables_too() {
 
 /// Three axes in both directions, each with a reversal of its own.
 fn cube_both_ways() -> String {
-    let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,ez_um\n");
-    for (axis, reversal) in [("x", [4.0, 0.0, 0.0]), ("y", [0.0, 3.0, 0.0]), ("z", [0.0, 0.0, 0.2])]
-    {
-        for (way, share) in [("+", 0.0), ("-", 1.0)] {
-            for x in TENTHS {
-                let wave = 3.0 * (x / 150.0).sin();
-                let [a, b, c] = reversal.map(|um| wave + share * um);
-                csv += &format!("{axis},{way},{x},{a:.4},{b:.4},{c:.4}\n");
-            }
-        }
-    }
-    csv
+    let axes = ["x", "y", "z"].map(|axis| (axis, TENTHS.to_vec()));
+    error_rows("ex_um,ey_um,ez_um", &axes, &["+", "-"], |axis, way, x| {
+        let lost = |own: &str, um: f64| if (own, "-") == (axis, way) { um } else { 0.0 };
+        let wave = 3.0 * (x / 150.0).sin();
+        // Four decimals, as they stand in a table.
+        [("x", 4.0), ("y", 3.0), ("z", 0.2)]
+            .map(|(own, um)| ((wave + lost(own, um)) * 1e4).round() / 1e4)
+    })
 }
 
 fn cube_both_ways_job(policy: &str, lines: &str) -> String {

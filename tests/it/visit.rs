@@ -84,7 +84,6 @@ fn as_found() -> Visit {
     prepared(&golden("siemens-840d-sl"), &truth(), FORWARD)
 }
 
-/// Every control, and nothing is left but what was forecast.
 #[test]
 fn a_whole_visit_passes() {
     let profiles = ["siemens-840d-sl", "siemens-828d", "linuxcnc", "linuxcnc-hal", "generic"];

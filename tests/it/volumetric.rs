@@ -66,7 +66,6 @@ impl Machine {
     }
 }
 
-/// The model of a job and its table.
 fn volume(job: &str, table: &str) -> VolumeModel {
     let (job, table) = (read_job(job), error_table(table));
     VolumeModel::build(&job, &ErrorModel::build(&job, &table).expect("a model")).expect("a volume")
@@ -76,7 +75,6 @@ fn per_axis(xyz: [f64; 3]) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| xyz[axis as usize])
 }
 
-/// All figures at some nodes.
 fn figures(model: &VolumeModel, nodes: &Nodes) -> Definitions {
     definitions::definitions(model, &model.map(nodes).expect("a map"))
 }
@@ -254,7 +252,6 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
     }
 }
 
-/// What is missing is named with its levers, and a term without effect is not.
 #[test]
 fn a_machine_without_angles_says_what_it_leaves_out() {
     let table = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,800,1,2,3\ny,0,0,0,0\ny,600,1,2,3\nz,0,0,0,0\nz,500,1,2,3\n";

@@ -86,6 +86,28 @@ pub(crate) fn job_measured<A: Display>(
     )
 }
 
+/// A part program's zero at that of the machine.
+pub(crate) const G54: &str =
+    "\n[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
+
+/// An error table of axes at places, mm, reached from each of these ways (`""`: no direction is named); `values` gives
+/// what stands in its columns.
+pub(crate) fn error_rows<const N: usize>(
+    columns: &str,
+    axes: &[(&str, Vec<f64>)],
+    ways: &[&str],
+    mut values: impl FnMut(&str, &str, f64) -> [f64; N],
+) -> String {
+    let mut text = format!("axis,direction,position_mm,{columns}\n");
+    for (axis, places) in axes {
+        for (way, mm) in ways.iter().flat_map(|way| places.iter().map(move |mm| (way, mm))) {
+            let values = values(axis, way, *mm).map(|value| value.to_string());
+            text += &format!("{axis},{way},{mm},{}\n", values.join(","));
+        }
+    }
+    text
+}
+
 #[track_caller]
 pub(crate) fn error_table(text: &str) -> ErrorTable {
     shown(ErrorTable::read(source("errors.csv", text)))

@@ -1,6 +1,6 @@
 //! A visit in a folder of its own: its inputs, the program run there, what was printed and written.
 
-use super::tree::{Tree, difference, lay, tree};
+use super::tree::{Entry, Tree, difference, lay, tree};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,16 @@ pub(crate) fn fixture(name: &str) -> String {
 /// The text of a page of the repository, e.g. `docs/interface.md`.
 pub(crate) fn page(name: &str) -> String {
     fixture(&format!("../{name}")).replace('\r', "")
+}
+
+/// The fenced block of a page behind words that stand in it, without its indent.
+#[track_caller]
+pub(crate) fn block_behind(page: &str, words: &str) -> String {
+    let (_, rest) = page.split_once(words).unwrap_or_else(|| panic!("no page has `{words}`"));
+    let mut lines = rest.lines().skip_while(|line| !line.trim_start().starts_with("```"));
+    let (indent, _) = lines.next().and_then(|fence| fence.split_once("```")).expect("a fence");
+    let lines = lines.take_while(|line| line.trim() != "```");
+    lines.map(|line| format!("{}\n", line.strip_prefix(indent).unwrap_or(line))).collect()
 }
 
 /// A text with every `old` replaced; there is one at least.
@@ -125,6 +135,24 @@ impl Ran {
         let read = serde_json::from_str(&self.out);
         read.unwrap_or_else(|e| panic!("nonius {}: {e}\n{}", self.command, self.all()))
     }
+}
+
+/// Runs the program in the folder of the repository.
+pub(crate) fn in_repository(command: &str) -> Ran {
+    Ran::of(command, &program(&fixtures(".."), command).output().expect("the program starts"))
+}
+
+/// The program prints the block of a page behind these words.
+#[track_caller]
+pub(crate) fn is_shown(page: &str, words: &str, printed: &str) {
+    let shown = block_behind(page, words);
+    let is_shown = !shown.is_empty() && printed.contains(shown.trim());
+    assert!(is_shown, "the page shows\n{shown}\nthe program prints\n{printed}");
+}
+
+/// Whether another program ran and ended with 0; what it complains of is not shown.
+pub(crate) fn succeeds(command: &mut Command) -> bool {
+    command.stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }
 
 /// A folder that is removed at the end, with the inputs of a visit.
@@ -253,6 +281,28 @@ impl Visit {
     /// Everything that lies in the folder.
     pub(crate) fn files(&self) -> Tree {
         tree(self.folder())
+    }
+
+    /// The text of each file that lies in the folder, with its name.
+    pub(crate) fn texts(&self) -> Vec<(String, String)> {
+        let text = |(name, entry)| match entry {
+            Entry::File(bytes) => Some((name, String::from_utf8_lossy(&bytes).into_owned())),
+            _ => None,
+        };
+        self.files().into_iter().filter_map(text).collect()
+    }
+
+    /// What may be done with a file or directory, as `chmod` takes it.
+    #[cfg(unix)]
+    pub(crate) fn mode(&self, name: &str) -> u32 {
+        let found = fs::metadata(self.at(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        std::os::unix::fs::PermissionsExt::mode(&found.permissions()) & 0o7777
+    }
+
+    #[cfg(unix)]
+    pub(crate) fn set_mode(&self, name: &str, mode: u32) {
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(mode);
+        fs::set_permissions(self.at(name), mode).unwrap_or_else(|e| panic!("{name}: {e}"));
     }
 
     /// Runs a command in the folder, e.g. `generate job.toml -o kit`.

@@ -4,7 +4,6 @@ use super::*;
 
 const TRAVEL: f64 = 300.0;
 
-/// One way of doing it.
 #[derive(Clone, Debug)]
 struct Case {
     controller: &'static str,
@@ -89,24 +88,20 @@ impl Wave {
 
 /// The error table of deviations at targets, with a reversal where both directions are measured.
 fn table(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> String {
-    let mut text = "axis,direction,position_mm,ex_um,ey_um\n".to_string();
-    let directions: &[&str] = if case.policy.is_some() { &["+", "-"] } else { &[""] };
-    for (axis, ex, ey) in [("x", &waves[0], &waves[1]), ("y", &waves[2], &waves[3])] {
-        for direction in directions {
-            let lost = match (*direction, case.homing) {
-                ("-", "+") => reversal,
-                ("+", "-") => -reversal,
-                _ => 0.0,
-            };
-            let [of_x, of_y] = ["x", "y"].map(|own| if own == axis { lost } else { 0.0 });
-            for n in 0..=(TRAVEL / step).round() as usize {
-                let x = n as f64 * step;
-                let (ex, ey) = (ex.at(x) + of_x, ey.at(x) + of_y);
-                text += &format!("{axis},{direction},{x},{ex},{ey}\n");
-            }
+    let ways: &[&str] = if case.policy.is_some() { &["+", "-"] } else { &[""] };
+    let targets = || (0..=(TRAVEL / step).round() as usize).map(|n| n as f64 * step).collect();
+    let axes = ["x", "y"].map(|axis| (axis, targets()));
+    error_rows("ex_um,ey_um", &axes, ways, |axis, way, x| {
+        let lost = match (way, case.homing) {
+            ("-", "+") => reversal,
+            ("+", "-") => -reversal,
+            _ => 0.0,
+        };
+        match axis {
+            "x" => [waves[0].at(x) + lost, waves[1].at(x)],
+            _ => [waves[2].at(x), waves[3].at(x) + lost],
         }
-    }
-    text
+    })
 }
 
 /// The inputs measured while the tables of a kit acted.

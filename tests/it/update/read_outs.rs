@@ -72,7 +72,6 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
     assert_eq!((at(50.0), at(100.0)), (-5.0, -7.0));
 }
 
-/// Tables in part programs were run or not: nobody knows, and active data stand above them.
 #[test]
 fn tables_in_part_programs_count_as_active_where_there_are_no_others() {
     let program = format!("%_N_EEC_MPF\n{}M30\n", lec("0.010"));
@@ -97,7 +96,6 @@ fn a_read_out_with_harmless_switches_is_taken() {
     }
 }
 
-/// Tables that were read out and hold zeros are known to have done nothing.
 #[test]
 fn tables_of_zeros_are_a_read_out_like_any_other() {
     let job = siemens(ACTIVE);
@@ -107,7 +105,6 @@ fn tables_of_zeros_are_a_read_out_like_any_other() {
     assert!(notes.iter().any(|note| note == says), "{notes:?}");
 }
 
-/// Where nothing tells of a kind of tables, that there was none is an assumption.
 #[test]
 fn tables_that_no_file_speaks_of_are_assumed_to_be_absent() {
     let active = taken(&siemens(ACTIVE), FULL, &(lec("0.004") + "M17\n")).active.unwrap();
@@ -115,7 +112,6 @@ fn tables_that_no_file_speaks_of_are_assumed_to_be_absent() {
     assert!(facts.contains(&"ENC_COMP of AX2") && facts.contains(&"CEC"), "{facts:?}");
 }
 
-/// Real tables end between two points: what the control does there is not known.
 #[test]
 fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
     let job = siemens(ACTIVE);
@@ -139,7 +135,6 @@ fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
     assert_eq!(same, None, "both readings are the same");
 }
 
-/// A control that plays lines between its points goes on doing so with the new ones.
 #[test]
 fn interpolation_is_taken_over_from_the_control() {
     let file = |bits: &str| {
