@@ -140,7 +140,7 @@ fn tables_that_do_not_act_or_were_changed_fail() {
         .ends(1)
         .tells(&["NOT ACTIVE: all tables do not act", "to decide:", "verdict: fail"]);
     let visit = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [100.0, 0.0, 0.0]], 0.1));
-    visit.put("kit/compensation.csv", visit.read("kit/compensation.csv") + "\n");
+    visit.append("kit/compensation.csv", "\n");
     again(&visit, "after.csv").is("fail", &["hash"]);
 }
 
@@ -166,7 +166,7 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
 
 fn after_job(active: &str, more: &str) -> String {
     let job = job().replace("errors.csv", "after.csv").replace(NONE_ACTIVE, active);
-    job.replace("[compensation]\n", &format!("{more}[compensation]\n"))
+    job.replace("[compensation]", &format!("{more}[compensation]"))
 }
 
 /// A copy of the kit in another folder is the same kit: what it does is compared.
@@ -215,8 +215,7 @@ fn far_fewer_positions_leave_it_undecided() {
 /// Errors in both directions with a lost motion, and what `generate` does with it.
 fn both_ways(policy: &str, lost_um: f64) -> Visit {
     let visit = visit(LEFT);
-    let policy = format!("[compensation]\nbacklash = \"{policy}\"\n");
-    visit.edit("job.toml", "[compensation]\n", &policy);
+    visit.under("[compensation]", &format!("backlash = \"{policy}\""));
     visit.put("errors.csv", directed([0.0, 6.0, 16.0], lost_um));
     visit.run("generate job.toml -o kit --force").answers();
     visit

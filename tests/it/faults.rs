@@ -20,10 +20,6 @@ use tempfile::{NamedTempFile, TempDir};
 /// In an old kit or at the place of a file: gone, it would be lost.
 const USERS_OWN: &[u8] = b"what a person wrote\n";
 
-fn append(visit: &Visit, name: &str, text: &str) {
-    visit.put(name, visit.read(name) + text);
-}
-
 /// An old kit with a user's file in it, made from another table.
 fn old_kit(visit: &Visit) {
     let table = visit.read("errors.csv");
@@ -46,14 +42,13 @@ fn old_file(visit: &Visit) {
 
 /// An old folder of a measuring run with readings.
 fn old_run(visit: &Visit) {
-    append(visit, "job.toml", PROGRAM);
-    visit.run("program job.toml -o kit");
+    visit.append("job.toml", PROGRAM).run("program job.toml -o kit");
     visit.put("kit/readings.csv", USERS_OWN);
 }
 
 /// 0.6 MB of samples.
 fn with_part_program(visit: &Visit) {
-    append(visit, "job.toml", G54);
+    visit.append("job.toml", G54);
     let there_and_back = "X400.\nX0.\n".repeat(8);
     visit.put("part.nc", format!("G21 G90 G1 F1000\n{there_and_back}M30\n"));
 }
@@ -86,7 +81,7 @@ const SCENES: [Scene; 17] = [
     (ERRORS, |_| (), "generate job.toml -o new/deep/kit"),
     (ERRORS, old_kit, "generate job.toml -o kit --force"),
     (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
-    (ERRORS, |visit| append(visit, "job.toml", PROGRAM), "program job.toml -o kit"),
+    (ERRORS, |visit| _ = visit.append("job.toml", PROGRAM), "program job.toml -o kit"),
     (ERRORS, old_run, "program job.toml -o kit --force"),
     (ERRORS, |_| (), "simulate job.toml --errors -o put.csv"),
     (ERRORS, old_file, "simulate job.toml --errors -o put.csv --force"),
@@ -401,7 +396,7 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
     let names = (2..=26).step_by(step).map(|n| format!("nr_inodes={n}"));
     let sizes: Vec<String> = pages.chain(names).collect();
     let visit = Visit::of("start/errors");
-    append(&visit, "job.toml", PROGRAM);
+    visit.append("job.toml", PROGRAM);
     with_part_program(&visit);
     let mut refused = 0;
     for (words, output) in [

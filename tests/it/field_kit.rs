@@ -2,8 +2,8 @@
 //! says, and what is refused.
 use crate::support::machine::machine;
 use crate::support::{
-    self, checklist, files_of, fixture, holds, in_parallel, number, replaced, short_or, shown,
-    text_of, um_at,
+    self, checklist, files_of, five_points, fixture, holds, in_parallel, number, replaced,
+    short_or, shown, text_of, um_at,
 };
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
 use nonius::control::table::Tables;
@@ -23,11 +23,6 @@ use serde_json::Value;
 const DUST_UM: f64 = 1e-3;
 const TWO_TABLES: &str = "backlash = \"two-tables\"\n";
 const PARAMETER: &str = "curve-and-parameter";
-
-fn five_points(profile: &str) -> (String, String) {
-    let text = |name: &str| fixture(&format!("machines/five_points/{name}"));
-    (text(&format!("{profile}.toml")), text("errors.csv"))
-}
 
 /// The kit of five points, its job with something else in it.
 #[track_caller]

@@ -1,7 +1,7 @@
 //! Other makers' files become error tables: whole texts, and what must not matter.
 //!
 //! What is refused stands in `fixtures/cases/refuses/import*.txt`.
-use crate::support::{error_table, fixture, replaced, words};
+use crate::support::{error_table, fixture, holds, lacks, replaced, words};
 use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::write;
@@ -193,7 +193,7 @@ fn fields_of_the_user_text_may_share_a_line() {
     let shared = replaced(&shared, "By:example\r\nAxis:X", "By:example Axis:X");
     let text = table(RTL, shared, &of_rtl());
     for field in ["Serial No: 0001", "By: example", "Axis: X"] {
-        holds(&text, &[&format!("# the file says: {field}\n")], "");
+        holds(&text, &[&format!("# the file says: {field}\n")]);
     }
 }
 
@@ -202,7 +202,7 @@ fn corrections_are_turned_once() {
     for (sign, row) in
         [(TableSign::AsError, "x,+,-200,0.5,0.1"), (TableSign::AsCorrection, "x,+,-200,-0.5,0.1")]
     {
-        holds(&table(RTL, file(RTL), &Stated { sign: Some(sign), ..of_rtl() }), &[row], "");
+        holds(&table(RTL, file(RTL), &Stated { sign: Some(sign), ..of_rtl() }), &[row]);
     }
 }
 
@@ -215,27 +215,21 @@ fn never_returned(text: &str) -> String {
     zeros.collect::<Vec<_>>().join("\n")
 }
 
-/// The table holds all of these words, and not those.
-#[track_caller]
-fn holds(text: &str, words: &[&str], others: &str) {
-    assert!(words.iter().all(|words| text.contains(words)), "{words:?}: {text}");
-    assert!(others.is_empty() || !text.contains(others), "{others}: {text}");
-}
-
 /// Zeros of return runs are left out where none was made; a run goes out where that is stated.
 #[test]
 fn return_runs_mean_what_is_stated() {
     let runs = |runs| Stated { runs: Some(runs), ..of_rtl() };
     let both = rtl("Flags: 0 0 2 0", "Flags: 0 1 2 0");
-    let left_out = ["runs 2, 4 hold only zeros", "x,+,200,4.7,0.1"];
-    holds(&table(RTL, never_returned(&both), &of_rtl()), &left_out, "x,-,");
+    let left_out = table(RTL, never_returned(&both), &of_rtl());
+    holds(&left_out, &["runs 2, 4 hold only zeros", "x,+,200,4.7,0.1"]);
+    lacks(&left_out, &["x,-,"]);
     // Target 1: 0.4, -1.1, 0.6, -1.0 µm.
     let all_out = ["runs: 4 moving +;", "x,+,-200,-0.275,"];
-    holds(&table(RTL, &both, &runs(Runs::Unidirectional)), &all_out, "");
+    holds(&table(RTL, &both, &runs(Runs::Unidirectional)), &all_out);
     let zeros = never_returned(&file(RTL));
     assert!(run("x.rtl", &zeros, &of_rtl(), None).is_err());
-    holds(&table("x.rtl", &zeros, &runs(Runs::Unidirectional)), &[], "x,-,");
-    holds(&table("x.rtl", &zeros, &runs(Runs::Bidirectional)), &["x,-,200,0,0"], "");
+    lacks(&table("x.rtl", &zeros, &runs(Runs::Unidirectional)), &["x,-,"]);
+    holds(&table("x.rtl", &zeros, &runs(Runs::Bidirectional)), &["x,-,200,0,0"]);
 }
 
 #[test]
@@ -294,8 +288,7 @@ fn reversal_um(table: &str) -> f64 {
 fn a_temperature_beyond_all_numbers_is_not_told() {
     let rtl = "HEADER::\nFile type : rtl\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\n\
         Flags: 0 1 2 0\nENVIRONMENT::\nMat temp 2 : 1e9931643\nRUNS::\nRun-count: 1\nDEVIATIONS::\n1 1 0\n1 2 1\nEOF::\n";
-    let text = table("x.rtl", rtl, &laser(0.0, Direction::Plus));
-    assert!(!text.contains("inf"), "{text}");
+    lacks(&table("x.rtl", rtl, &laser(0.0, Direction::Plus)), &["inf"]);
 }
 
 /// The axis goes from 500 to 400 mm while the laser counts 0 to 100; ordinary lost motion of

@@ -1,5 +1,5 @@
 //! Readings of the body diagonals: what is read from them. What is refused: fixtures/cases/refuses/readings.txt.
-use crate::support::{fixture, golden_readings, measured_by, readings};
+use crate::support::{fixture, measured_by, readings};
 use nonius::inputs::job::{AxisMaterial, DiagonalMeasurement, Material};
 use nonius::inputs::readings::Readings;
 use nonius::quantity::{Diagonal, Direction, Pass, PathKind, PerAxis, Run};
@@ -7,25 +7,6 @@ use nonius::quantity::{Diagonal, Direction, Pass, PathKind, PerAxis, Run};
 fn find(readings: &Readings, diagonal: Diagonal, pass: Pass) -> &Run {
     let wanted = |run: &&Run| (run.diagonal, run.number, run.pass) == (diagonal, 1, pass);
     readings.runs.iter().find(wanted).unwrap()
-}
-
-#[test]
-fn the_golden_readings_are_read_completely() {
-    for (case, steps, runs) in [
-        ("case_a_ideal", 30, 4),
-        ("case_b_setup", 30, 4),
-        ("case_c_angles", 30, 4),
-        ("case_c2_mirror", 30, 4),
-        ("case_d_bidirectional", 10, 24),
-    ] {
-        let (measurement, readings) = golden_readings(case);
-        assert_eq!((measurement.volume.steps, readings.runs.len()), (steps, runs), "{case}");
-        for run in &readings.runs {
-            assert_eq!(run.deviations.len(), 3 * steps + 1, "{case} {}", run.diagonal);
-            assert_eq!(run.temperatures_c, PerAxis::default());
-            assert!(readings.offset_known(run));
-        }
-    }
 }
 
 /// A box of 90 × 72 × 72 mm in two steps of each axis, X first; its readings are ten times the node.

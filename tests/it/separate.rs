@@ -88,15 +88,6 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
     ran.says("NOT DETERMINED by these readings").says("U(95 %)");
 }
 
-#[test]
-fn a_measured_linear_axis_serves_as_well_as_its_stated_slope() {
-    let visit = golden_case("case_b_setup");
-    let end = || number(&separated(&visit, 0)["errors"]["EXX"]["deviation_um"][30]);
-    let stated = end();
-    visit.edit("job.toml", "slope_um_per_m = 20.000000000", "errors = \"truth.csv\"");
-    assert!((end() - stated).abs() < 1e-5, "{}, expected {stated}", end());
-}
-
 /// The same seed gives the same bytes.
 #[test]
 fn the_figures_of_case_d_are_those_of_the_reference() {
@@ -114,7 +105,7 @@ fn the_figures_of_case_d_are_those_of_the_reference() {
 
 /// The straight diagonals of case A's machine, from its cell ends, with more keys in
 /// `[measurement.step_diagonal]` and below, and more rows.
-fn straight(keys: &str, rows: &str) -> Visit {
+pub(crate) fn straight(keys: &str, rows: &str) -> Visit {
     let visit = golden_case("case_a_ideal");
     let kind = format!("kind = \"straight\"\nclosure_errors = \"truth.csv\"\n{keys}");
     visit.edit("job.toml", "order = \"XYZ\"\nsetup = \"assume-perfect\"", &kind);
@@ -141,7 +132,7 @@ fn cell_ends() -> [(&'static str, Vec<f64>); 4] {
 
 /// Runs back over the same nodes, 5 µm lower everywhere: in rows `reverse`, or under the names of
 /// the ways back, numbered, signed and zeroed along their own travel.
-fn runs_back(own_names: bool) -> String {
+pub(crate) fn runs_back(own_names: bool) -> String {
     let mut text = String::new();
     for ((diagonal, values), name) in cell_ends().iter().zip(["NNN", "PNN", "NPN", "NNP"]) {
         let last = values.len() - 1;

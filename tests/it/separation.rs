@@ -1,8 +1,8 @@
 //! The separation against the golden cases of the project's reference (fixtures/diagonals): an
 //! independent numerical simulation made the readings and the expected figures.
 use crate::support::diagonals::{campaign, close, curve};
-use crate::support::{fixture, number, read_job, readings};
-use nonius::inputs::job::{Linear, LinearSlope, MeasuredData};
+use crate::support::{fixture, golden_readings, number, read_job};
+use nonius::inputs::job::{Linear, LinearSlope};
 use nonius::machine::separation::solved::scale_sum_um_mm;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, Plane};
@@ -14,11 +14,7 @@ const FILE_DIGITS_UM: f64 = 1e-7;
 /// The separation of a golden case, and what the reference expects.
 fn separated(case: &str) -> (Separation, Value) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
-    let job = read_job(&text("job.toml"));
-    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
-        panic!("the job of {case} has readings")
-    };
-    let readings = readings(&text("readings.csv"), measurement).unwrap();
+    let (measurement, readings) = golden_readings(case);
     let line = |linear: &Linear| {
         let LinearSlope::Stated(slope_um_per_m) = linear.slope else {
             panic!("the golden cases state their slopes")
@@ -26,8 +22,8 @@ fn separated(case: &str) -> (Separation, Value) {
         let direction = PerAxis::from_fn(|axis| f64::from(axis == linear.axis));
         MeasuredLine { direction, slope_um_per_m, u_um_per_m: linear.u_um_per_m, ends: None }
     };
-    let mut campaign = campaign(measurement, measurement.linear.iter().map(line).collect());
-    campaign.stated = job.measurement.uncertainty;
+    let mut campaign = campaign(&measurement, measurement.linear.iter().map(line).collect());
+    campaign.stated = read_job(&text("job.toml")).measurement.uncertainty;
     let expected = serde_json::from_str(&text("expected.json")).unwrap();
     (separate(&campaign, &readings.runs), expected)
 }

@@ -1,12 +1,12 @@
 //! Whole files as a control gets them, of a machine of five points an axis with round numbers.
 //! A snapshot shows that nothing changed; each one was checked by hand when it was accepted.
-use crate::support::{self, fixture, in_repository};
+use crate::support::{self, five_points, in_repository};
 use nonius::control::controller::{Role, builtin};
 use nonius::kit::Kit;
 
 fn kit(profile: &str) -> Kit {
-    let read = |name: &str| fixture(&format!("machines/five_points/{name}")).replace('\r', "");
-    support::generate(&read(&format!("{profile}.toml")), &read("errors.csv")).1
+    let (job, errors) = five_points(profile);
+    support::generate(&job.replace('\r', ""), &errors.replace('\r', "")).1
 }
 
 /// Control characters made visible; the line end of a file stays a line end.

@@ -1,7 +1,7 @@
 //! What `nonius standards` takes beside tables of runs: readings of the body diagonals, jobs that
 //! name them, and `.rtl` files.
-use crate::separate::near;
-use crate::support::{Ran, Visit, fixture, fixtures, holds, number};
+use crate::separate::{near, runs_back, straight};
+use crate::support::{Ran, Visit, fixtures, holds, number};
 use serde_json::{Value, json};
 
 /// Runs it on a file of the fixtures, or on that of an absolute path.
@@ -67,37 +67,13 @@ fn one_direction_has_no_figures_of_the_machine() {
     assert_eq!(part["diagonals"]["PPN"]["E_um"], Value::Null);
 }
 
-/// The forward runs of case A, and each of them walked back under its own name (NNN …): numbered,
-/// signed and zeroed from the far corner.
-fn with_own_reverse_runs(readings: &str) -> String {
-    let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();
-    let mut text = "diagonal,node,moved,deviation_um\n".to_string();
-    for (name, back) in [("PPP", "NNN"), ("NPP", "PNN"), ("PNP", "NPN"), ("PPN", "NNP")] {
-        let own = rows.iter().filter(|row| row[0] == name);
-        let walk: Vec<(&str, f64)> = own.map(|row| (row[4], row[5].parse().unwrap())).collect();
-        let last = walk.len() - 1;
-        for (node, (moved, um)) in walk.iter().enumerate() {
-            text += &format!("{name},{node},{moved},{um:.9}\n");
-        }
-        for node in 0..=last {
-            let moved = if node == 0 { "" } else { walk[last + 1 - node].0 };
-            let um = walk[last].1 - walk[last - node].1;
-            text += &format!("{back},{node},{moved},{um:.9}\n");
-        }
-    }
-    text
-}
-
 /// The offset of such a run to the forward run is not known, so it has no part in E and B.
 #[test]
 fn runs_under_the_name_of_a_reverse_run_are_left_out_and_named() {
-    let forward = "diagonals/case_a_ideal/readings.csv";
-    let visit = Visit::new();
-    visit.put("readings.csv", with_own_reverse_runs(&fixture(forward)));
-    let both = document(&visit.at("readings.csv").display().to_string(), "");
-    let figures = |of: &Value| of["iso_230_6"]["diagonals"].clone();
-    assert_eq!(figures(&document(forward, "")), figures(&both));
-    holds(&both["iso_230_6"]["notes"].to_string(), &["NNN …"]);
+    let [forward, both] = [String::new(), runs_back(true)]
+        .map(|rows| straight("", &rows).json("standards readings.csv")["iso_230_6"].clone());
+    assert_eq!(forward["diagonals"], both["diagonals"]);
+    holds(&both["notes"].to_string(), &["NNN …"]);
 }
 
 /// Figures of an `.rtl` file that notes a temperature of the material.

@@ -42,16 +42,11 @@ fn an_empty_directory_is_taken() {
 }
 
 #[test]
-fn a_job_on_standard_input() {
-    let visit = Visit::new();
+fn a_job_on_standard_input_or_of_windows_and_a_table_with_decimal_commas_make_the_same_kit() {
+    let (visit, kit) = (Visit::new(), kit_of(JOB, TABLE));
     visit.put("errors.csv", TABLE).put("text", JOB);
     visit.shell("$N generate - -o kit < text").ends(0);
-    assert_eq!(kit_in(&visit), kit_of(JOB, TABLE));
-}
-
-#[test]
-fn a_table_as_a_spreadsheet_of_another_country_and_a_job_of_windows() {
-    let kit = kit_of(JOB, TABLE);
+    assert_eq!(kit_in(&visit), kit);
     let semicolons = TABLE.replace(',', ";").replace('.', ",").replace('\n', "\r\n");
     assert_eq!(kit_of(JOB, &format!("\u{feff}{semicolons}")), kit, "decimal commas");
     assert_eq!(kit_of(&JOB.replace('\n', "\r\n"), TABLE), kit, "line ends of Windows");

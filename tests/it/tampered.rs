@@ -6,7 +6,7 @@
 
 mod as_a_control_reads;
 
-use crate::support::{Ran, Visit, replaced};
+use crate::support::{Ran, Visit, replaced, with_cells};
 use std::fs;
 
 const EEC: &str = "NONIUS_EEC.MPF";
@@ -193,11 +193,7 @@ fn fanuc() {
 
 /// The rows of a table changed by their cells; without those of which `keep` says no.
 fn rows(keep: impl Fn(&mut [String]) -> bool) -> impl Fn(&str) -> String {
-    lines(move |line| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
-        let stays = cells[0] == "term" || cells.len() == 1 || keep(&mut cells);
-        stays.then(|| cells.join(","))
-    })
+    move |text| with_cells(text, |cells| cells[0] == "term" || cells.len() == 1 || keep(cells))
 }
 
 /// The figures of some columns changed.

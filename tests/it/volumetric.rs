@@ -1,22 +1,11 @@
 //! The model of 21 errors: against matrices, against paper 002, and against itself.
 
-use crate::support::{error_table, fixture, read_job};
+use crate::support::{Random, error_table, fixture, read_job};
 use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::{Axis, Chain, ErrorTerm, Millimetres, PerAxis};
 use nonius::volume::definitions::{self, Definitions};
 use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
-
-/// Numbers between −1 and 1 that look random and are the same everywhere.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        f64::from(u32::try_from(self.0 >> 33).unwrap()) / f64::from(1_u32 << 30) - 1.0
-    }
-}
 
 /// A machine of one table: deviations and rotations at the positions of each axis.
 #[derive(Clone)]
@@ -30,12 +19,12 @@ struct Machine {
 }
 
 impl Machine {
-    fn random(chain: Chain, numbers: &mut Numbers, nodes: u32, size: f64) -> Machine {
+    fn random(chain: Chain, random: &mut Random, nodes: u32, size: f64) -> Machine {
         let positions = PerAxis { x: 700.0, y: 450.0, z: 310.0 };
         let positions =
             PerAxis::from_fn(|axis| (0..nodes).map(|k| positions[axis] * f64::from(k)).collect());
         let values = PerAxis::from_fn(|_| {
-            let row = |_| std::array::from_fn(|_| size * numbers.next());
+            let row = |_| std::array::from_fn(|_| size * random.between(-1.0, 1.0));
             (0..nodes).map(row).collect()
         });
         Machine { chain, positions, values, measurement: String::new() }
@@ -128,9 +117,9 @@ fn largest_gap(machine: &Machine) -> f64 {
 
 #[test]
 fn every_chain_agrees_with_matrices_to_second_order() {
-    let mut numbers = Numbers(1);
+    let mut random = Random::new(1);
     for chain in Chain::all() {
-        let mut machine = Machine::random(chain, &mut numbers, 3, 100.0);
+        let mut machine = Machine::random(chain, &mut random, 3, 100.0);
         for axis in Axis::ALL {
             let (key, offset, tool) = (axis.key(), OFFSETS[axis as usize], TOOL[axis as usize]);
             machine.measurement +=
@@ -190,9 +179,9 @@ fn machine_h_goes_through_figure_2() {
 /// what the angles do over the shift. The map moves by a constant, and VA not at all.
 #[test]
 fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
-    let mut numbers = Numbers(11);
+    let mut random = Random::new(11);
     for chain in Chain::all() {
-        let mut machine = Machine::random(chain, &mut numbers, 4, 30.0);
+        let mut machine = Machine::random(chain, &mut random, 4, 30.0);
         machine.measurement = "offsets_mm = { x = 100.0, y = 200.0, z = 300.0 }".to_string();
         let shift = PerAxis { x: 250.0, y: -70.0, z: 410.0 };
         let mut moved = machine.clone();
@@ -223,11 +212,11 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
 
 #[test]
 fn the_figures_keep_their_order_and_the_parts_their_sum() {
-    let mut numbers = Numbers(3);
+    let mut random = Random::new(3);
     let chains: Vec<Chain> = Chain::all().collect();
     let nodes = [2, 3, 4].into_iter().cycle();
     for (chain, nodes) in chains.into_iter().cycle().zip(nodes).take(200) {
-        let machine = Machine::random(chain, &mut numbers, nodes, 50.0);
+        let machine = Machine::random(chain, &mut random, nodes, 50.0);
         let model = machine.model();
         let own = model.own_nodes();
         let d = figures(&model, &own);

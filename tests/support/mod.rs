@@ -133,6 +133,12 @@ pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
     (measurement, read.unwrap_or_else(|said| panic!("{said}")))
 }
 
+/// The job of a machine of five points an axis for a built-in control, and its errors.
+pub(crate) fn five_points(control: &str) -> (String, String) {
+    let text = |name: &str| fixture(&format!("machines/five_points/{name}"));
+    (text(&format!("{control}.toml")), text("errors.csv"))
+}
+
 /// The files of a kit that have this role.
 pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile> {
     kit.files.iter().filter(|file| file.role == role).cloned().collect()

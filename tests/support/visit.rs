@@ -236,6 +236,12 @@ impl Visit {
         ran
     }
 
+    /// Writes more behind the end of a file.
+    #[track_caller]
+    pub(crate) fn append(&self, name: &str, text: &str) -> &Visit {
+        self.put(name, self.read(name) + text)
+    }
+
     /// Gives every row of an error table one more column, or several.
     pub(crate) fn with_column(&self, table: &str, name: &str, value: &str) {
         let text = self.read(table);

@@ -1,7 +1,7 @@
 //! Imports as a user runs them: from the file of a laser to the kit that names it.
 
 use super::*;
-use crate::support::{Visit, holds};
+use crate::support::Visit;
 
 const IMPORT: &str = "import x.rtl --term EXX --first-target-at-mm -200 --targets-run + \
     --sign as-error --material-corrected yes";
@@ -68,9 +68,7 @@ fn an_imported_linear_measurement_beside_readings_is_named_in_the_manifest() {
     let hash = "b".repeat(64);
     let text = "axis,position_mm,ex_um\nx,0,0\nx,900,18\n";
     visit.put("x-linear.csv", format!("# source: linear.rtl sha256 {hash}\n{text}"));
-    let job = visit.read("job.toml");
-    let slope = job.lines().find(|line| line.starts_with("slope_um_per_m")).unwrap();
-    visit.put("job.toml", job.replacen(slope, "errors = \"x-linear.csv\"", 1));
+    visit.edit("job.toml", "slope_um_per_m = 20.000000000", "errors = \"x-linear.csv\"");
     visit.run("generate job.toml -o kit").answers();
     holds(&visit.read("kit/manifest.json"), &["\"through\": \"x-linear.csv\""]);
 }
