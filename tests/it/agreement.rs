@@ -1,5 +1,4 @@
-//! The redundancy of formula (7), what stated uncertainties do through it, beams over a part of
-//! the travel, and uncertainties that are not known.
+//! The redundancy of formula (7), what stated uncertainties do through it, beams over a part, what is not known.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
     Machine, close, curve, mm, runs, seeded, solved, volume, with_noise,
@@ -98,8 +97,7 @@ fn without_redundancy_it_is_said_that_nothing_checks() {
     labelled(&found, "nothing checks the linear axes");
 }
 
-/// The same readings with something stated of them; X and Y with u = 0.1 µm/m; a material at a
-/// temperature that is stated or recorded.
+/// The same readings; X and Y with u = 0.1 µm/m; a material at a temperature that is stated or recorded.
 fn with_stated(
     seed: u64,
     stated: StatedUncertainty,
@@ -125,8 +123,7 @@ fn steel(axes: &[Axis], temperature_c: Option<f64>) -> Option<Material> {
     Some(Material { material_corrected: true, air_corrected: true, axes })
 }
 
-/// Z²p_zz = S − X²p_xx − Y²p_yy: a scale error of the diagonals comes out (R/Z)² = 3.5625 times as
-/// large in EZZ, and not at all in EXX, which is the linear axis.
+/// Z²p_zz = S − X²p_xx − Y²p_yy: a scale of the diagonals is 3.5625 = (R/Z)² times as large in EZZ, and none of EXX.
 #[test]
 fn the_laser_goes_through_the_solution() {
     let plain = with_stated(5, simulated::exact(), None, None);

@@ -60,8 +60,7 @@ fn machine_h_has_the_figures_of_its_authority() {
     assert!((sum - 1_149.980_852).abs() < 3e-5, "{sum}");
 }
 
-/// Columns of paper 000 in its own order; D‹moving›‹direction›, so DYX is EXY. Read the other way
-/// round its own sums (DX max 0.03106) cannot be had.
+/// Columns of paper 000; D‹moving›‹direction›, so DYX is EXY: read otherwise its sums (DX max 0.03106) cannot be had.
 const COLUMNS: [&str; 9] = ["EXX", "EYX", "EZX", "EYY", "EXY", "EZY", "EZZ", "EXZ", "EYZ"];
 
 fn by_component(min: [f64; 9], max: [f64; 9]) -> ByComponent {
@@ -139,8 +138,7 @@ fn the_tables_take_off_what_they_hold() {
     let lines: Vec<&str> = job.lines().filter(|line| !is_squareness(line)).collect();
     visit.put("angles.toml", lines.join("\n"));
     let alone = va_um(&document(&visit, "assess angles.toml"));
-    // Z nodes of the table (200 mm) are not those of the measurement (333.3 mm): between them a
-    // table of straight lines leaves a little.
+    // Between the nodes of the measurement (333.3 mm) the straight lines of a table every 200 mm leave a little.
     assert!((left - alone).abs() <= 3.0, "{left}, expected {alone}");
     assert!(left > 60.0, "{left}");
 }

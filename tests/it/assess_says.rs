@@ -1,5 +1,4 @@
-//! What `nonius assess` says of its figures: what they hold for, what they rest on, what was not
-//! measured.
+//! What the figures of `nonius assess` hold for, what they rest on, what was not measured.
 
 use super::assess::document;
 use crate::support::{DIAGONALS, Ran, Visit, labelled, number, page, replaced, short_or};

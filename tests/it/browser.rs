@@ -98,8 +98,7 @@ fn printed(visit: &Visit, page: &str) -> usize {
     text.lines().filter(|line| line.trim_end().ends_with("/Type /Page")).count()
 }
 
-/// The first pages, with the place for two signatures, are a sheet each: as forecast and as left, however
-/// long the verdict is.
+/// The first pages, with the place for two signatures, are a sheet each, however long the verdict is.
 #[test]
 fn signatures_stand_on_the_first_sheet() {
     if !is_installed("chromium") {

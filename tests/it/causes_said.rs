@@ -1,5 +1,4 @@
-//! What `verify --after` says of single faults: the number, the place to look at, the words, and
-//! what is refused. How often faults are named at all stands in tests/studies/causes.rs.
+//! What `verify --after` says of single faults, and what is refused; how often they are named: tests/studies/causes.rs.
 use crate::support::{Random, Visit, error_rows, holds, number};
 use serde_json::Value;
 

@@ -1,5 +1,4 @@
-//! The control of docs/own-control.md §1, added without Rust: the page's own files, from the profile to the second visit;
-//! and what the built-in profiles of this dialect ask of files and checklists.
+//! The control of docs/own-control.md §1, by the page's own files; what built-in profiles of its dialect ask of files.
 
 use crate::support::{Visit, block_behind, own_profile, page, replaced};
 

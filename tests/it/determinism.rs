@@ -1,5 +1,4 @@
-//! The same bytes everywhere: files and standard output depend on the inputs and the command only, not
-//! on language, time zone, cores, working directory or environment.
+//! Files and standard output depend on inputs and command only: not on language, time zone, cores, folder, environment.
 
 use crate::support::{self, Entry, Tree, Visit, difference, skipped, succeeds};
 use nonius::visit::files::Memory;
@@ -7,8 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
-/// Fixtures and commands that between them write kits, tables, pages and documents; `{}` = the path of
-/// the fixture, with a separator at its end.
+/// Fixtures, and commands that write kits, tables, pages, documents; `{}` = path of the fixture with a separator.
 const COMMANDS: &[(&str, &str)] = &[
     ("start/errors", "generate {}job.toml -o {}kit --format json"),
     ("nine_errors_900", "generate {}siemens-840d-sl.toml -o {}kit"),

@@ -1,5 +1,4 @@
-//! What the readings say against a result reaches every output: `separate`, its table, the kit
-//! made from the readings, and the kit made from the table.
+//! What the readings say against a result reaches every output: `separate`, its table, the kits made of both.
 use crate::support::diagonals::{
     Machine, box_30, campaign, measurement, naive, normal, runs, seeded, solved, volume, with_noise,
 };
@@ -64,8 +63,7 @@ fn beginning(findings: &[Finding], start: &str) -> Option<String> {
     words(findings).into_iter().find(|words| words.starts_with(start))
 }
 
-/// The four programs are alike: a file under another diagonal's name is complete and plausible. Two names
-/// exchanged, three passed on in a ring, and two pairs at once: what `names` gives for PPP, NPP, PNP, PPN.
+/// Two names exchanged, three passed on in a ring, two pairs at once: what `names` gives for PPP, NPP, PNP, PPN.
 #[test]
 fn readings_under_each_others_name_are_told() {
     use Diagonal::{Npp, Pnp, Ppn, Ppp};
@@ -171,8 +169,7 @@ fn with_two_runs_either_may_be_the_disturbed_one() {
     assert_eq!(places, [1, 2].map(|run| place(Diagonal::Ppn, run, 17)));
 }
 
-/// Readings of a perfect machine whose X rolls evenly by `urad` over its travel, the levers alone:
-/// a step of Y or Z made at x is turned by the roll there.
+/// Readings of a perfect machine whose X rolls evenly by `urad` over its travel; a step of Y or Z is turned by it.
 fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
     let n = volume.steps;
     PerDiagonal::from_fn(|d| {

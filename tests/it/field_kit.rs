@@ -1,5 +1,4 @@
-//! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
-//! says, and what is refused.
+//! The field kit: sign proofs, a rollback to what was read out, what the checklist says, what is refused.
 use crate::support::machine::machine;
 use crate::support::{
     self, checklist, files_of, five_points, fixture, holds, in_parallel, number, replaced,

@@ -130,8 +130,7 @@ fn no_profile_names_a_file_that_a_laptop_or_shell_takes_for_something_else() {
 /// Marks that mean something to a page, a drawing, a spreadsheet, a shell or a control.
 const MARKS: &str = "A<b>\";(x)&";
 
-/// Names of files and comments with them go nowhere; a machine's name with them is refused or only shown. The report
-/// shows them in the same way for all controls that are read in the same way: one of each.
+/// A machine's name with them is refused or only shown; names of files and comments go nowhere.
 #[test]
 fn marks_of_others_mean_nothing() {
     let mut families = HashSet::new();

@@ -122,8 +122,7 @@ fn every_format_becomes_the_table_that_was_checked() {
     insta::assert_snapshot!("mapped_columns_with_decimal_comma", text);
 }
 
-/// Target 1 is 100 in the file and 50 on the machine; the axis went to larger coordinates
-/// while the file counted down: deviations are turned.
+/// Target 1 is 100 in the file, 50 on the machine; the axis went up while the file counted down: deviations are turned.
 #[test]
 fn mapped_targets_begin_with_the_first_row_of_the_file() {
     let stated = Stated {
@@ -291,8 +290,7 @@ fn a_temperature_beyond_all_numbers_is_not_told() {
     lacks(&table("x.rtl", rtl, &laser(0.0, Direction::Plus)), &["inf"]);
 }
 
-/// The axis goes from 500 to 400 mm while the laser counts 0 to 100; ordinary lost motion of
-/// 4 µm: short of the target by 2 µm both ways.
+/// The axis goes from 500 to 400 mm while the laser counts 0 to 100; 2 µm short of the target both ways.
 #[test]
 fn turned_targets_keep_the_reversal_of_the_machine() {
     let way = Direction::Minus;

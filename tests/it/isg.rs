@@ -1,5 +1,4 @@
-//! The volumetric compensation of the ISG kernel from a job to its files and back: angles and what they do away
-//! from the lines of measurement. What is refused: fixtures/cases/refuses/controls.txt.
+//! The volumetric compensation of the ISG kernel from a job to its files and back (refused: cases/refuses/controls.txt).
 use crate::support::{Visit, holds, number, replaced};
 
 /// Z rests at -100 mm and Y at 50 mm while X is measured.

@@ -1,5 +1,4 @@
-//! LinuxCNC from a job to the machine's ini file and back: what is served, what BACKLASH does to a kit, what is
-//! judged of files read out, and that the interpreter of LinuxCNC takes the programs (where it is installed).
+//! LinuxCNC from a job to the machine's ini file and back; its interpreter takes the programs where it is installed.
 use crate::support::{Visit, holds, number, own_profile};
 use std::process::Command;
 

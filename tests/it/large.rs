@@ -12,8 +12,7 @@ use std::process::{Command, ExitCode, Output, Stdio, exit};
 use std::time::{Duration, Instant};
 use tempfile::NamedTempFile;
 
-/// Hundred times what any of these runs takes; where the work grows with the square of the input they
-/// would take hours, and one that waits for what does not come would take for ever.
+/// Hundred times what any of these runs takes; a square of the input, or waiting for nothing, would take hours.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Runs a command, at most that long.
@@ -250,8 +249,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
     assert_eq!(judged.into_iter().flatten().collect::<Vec<String>>(), [""; 0]);
 }
 
-/// What a run asks for in all, of inputs of 10³ to 5 · 10⁴ lines, the most that are read: were anything compared with everything before it, and
-/// copied for it, that would grow with the square. (Comparisons alone: text/finding.rs, import/located.rs.)
+/// In all, of inputs of 10³ to 5 · 10⁴ lines (comparisons alone: text/finding.rs, import/located.rs).
 #[test]
 fn what_is_asked_for_grows_with_the_input_not_with_its_square() {
     const FORM: &str =

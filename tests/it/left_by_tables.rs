@@ -1,5 +1,4 @@
-//! What `assess` and `path` say of a machine with tables, against the forecast of `generate`,
-//! which finds it in another way; and where errors and levers count from.
+//! What `assess` and `path` say of a machine with tables, against the forecast; where errors and levers count from.
 
 use crate::support::{LAST_DIGIT, Visit, near, number, replaced};
 use serde_json::Value;
@@ -40,8 +39,7 @@ fn defined(found: &Value, key: &str) -> f64 {
     number(&found["definitions"][key])
 }
 
-/// One axis with errors: the largest error that is left along it, and the largest difference, are
-/// those of the forecast, which reads the same bytes and knows nothing of volumes and paths.
+/// The forecast reads the same bytes, and knows nothing of volumes and paths.
 #[test]
 fn what_is_left_along_one_axis_is_what_the_forecast_says() {
     let straight = "x,0,0,0,0\nx,900,100,0,0\n";
@@ -64,8 +62,7 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
             let accuracy = number(&path["profile_accuracy_um"]);
             assert!(accuracy <= range + 2.0 * LAST_DIGIT, "{what}");
 
-            // Both ends of the range of X lie in it, so VA is not less than the largest
-            // error: the reference is one of the nodes, where nothing is left.
+            // The reference is a node where nothing is left, so VA is not less than the largest error.
             let after = &visit.json("assess job.toml --tables kit")["after"];
             let from = defined(after, "max_from_reference_um");
             if curve == "linear" {

@@ -5,8 +5,7 @@ use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::Diagonal;
 use std::fs::read_to_string;
 
-/// The captures of case D in the order in which they are taken: three runs forth and back, scatter 0.2 µm.
-/// Each with what stands before its value in a form.
+/// The captures of case D as they are taken, three runs forth and back, each with what stands before it in a form.
 fn case_d(diagonal: &str) -> (Vec<String>, Vec<f64>) {
     let table = fixture("diagonals/case_d_bidirectional/readings.csv");
     let rows = table.lines().filter(|line| line.starts_with(diagonal));

@@ -1,5 +1,4 @@
-//! Nothing that a person made is lost: no output replaces an input, `--force` removes only what
-//! this program made and nobody touched, and no input is cut or exchanged without a word.
+//! No output replaces an input, `--force` removes only what this program made, no input is cut or exchanged in silence.
 
 use super::large::patiently;
 use crate::support::{Ran, Visit, below, copies, own_profile, replaced, succeeds};

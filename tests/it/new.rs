@@ -221,8 +221,7 @@ fn before(at: &Visit, id: &str) {
     ]);
 }
 
-/// Every control with these options: the first of its family until the first of these ends, another one until
-/// the second, or not at all; all to their reports where `NONIUS_SIMULATIONS` is set.
+/// Every control: the first of its family until the first of these ends, others the second; all to reports if simulated.
 fn walk_all(more: &str, [first, other]: [Option<Until>; 2]) {
     let mut families = Vec::new();
     for id in positioning_ids() {

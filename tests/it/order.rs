@@ -105,8 +105,7 @@ fn from_root(here: &[String], names: &BTreeMap<String, Route>, path: &str) -> Op
     Some([&start, &path[rest..]].concat())
 }
 
-/// A file with its name and what it gives on or imports; what is given on of files below is no use of them,
-/// unless the file itself names it again.
+/// A file and what it gives on or imports; to give on what files below define is no use of them.
 fn module(file: &str, lines: &[String]) -> (Route, Module) {
     let here = words(&file.trim_end_matches(".rs").trim_end_matches("/mod").replace('/', "::"));
     let (mut found, mut code, mut imports) = (Module::default(), String::new(), Vec::new());
@@ -221,8 +220,7 @@ fn what_reads_a_controls_files_knows_nothing_of_what_writes_them() {
 #[test]
 fn only_the_command_line_touches_files_environment_and_terminal() {
     let reserved = "std::fs std::env std::io std::process println! print!( SystemTime Instant";
-    // A text in memory that does not grow beyond a limit, bytes in memory that are read as a workbook, and what a disk
-    // and files in memory have in common.
+    // A text with a limit, bytes that are read as a workbook, and what a disk and files in memory have in common.
     let in_memory = [
         ("write/emit/templates.rs", "std::io::{Error,"),
         ("inputs/import/spreadsheet.rs", "std::io::Cursor"),

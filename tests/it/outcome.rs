@@ -1,5 +1,4 @@
-//! What a command made goes out whole or not at all: standard output, files, and what is left of a run
-//! that failed, was ended or was killed.
+//! What a command made goes out whole or not at all, whether the run failed, was ended or was killed.
 
 #![cfg(unix)]
 use crate::support::{G54, Visit, below, own_profile, program, replaced, succeeds};

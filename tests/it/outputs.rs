@@ -1,5 +1,4 @@
-//! Where a run writes, and with whom at the same time: killed runs, twenty at once, a closed standard
-//! output, places that are read-only, links, or inputs.
+//! Where a run writes: killed, twenty at once, standard output closed, places that are read-only, links, or inputs.
 
 use crate::support::{
     Ran, Visit, below, copies, difference, is_installed, is_of_windows, program, skipped, succeeds,

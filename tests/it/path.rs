@@ -1,13 +1,11 @@
-//! `nonius path` through the program (what it refuses: fixtures/cases/refuses/path.txt), and its scanner against one by
-//! others.
+//! `nonius path` (what it refuses: fixtures/cases/refuses/path.txt), and its scanner against one by others.
 
 use crate::support::{Entry, Visit, fixtures, number, refusals};
 use part_program::{Language, Word, words};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// A machine of 100 mm an axis, whose error at a place in mm is (x/10, y/5, z/2) µm, with a program and further lines
-/// of `[path]`.
+/// A machine of 100 mm an axis, whose error in µm is (x/10, y/5, z/2), a program, further lines of `[path]`.
 fn visit(path: &str, program: &str) -> Visit {
     let visit = Visit::of("base/part");
     visit.edit("job.toml", "[path]\n", &format!("[path]\n{path}\n")).put("part.nc", program);
@@ -20,8 +18,7 @@ fn summary(path: &str, program: &str) -> Value {
 
 const PART: &str = "%\nO1 (PART)\nG54 G0 X0 Y0 Z0\nG1 X10. F100\nG3 X20. Y10. I0 J10.\nG99 G81 X50. Y50. Z10. R20.\nX40. Y100.\nG80\nM30\n%\n";
 
-/// By hand: e = (x/10, y/5, z/2). The holes' bottoms (50, 50, 10) and (40, 100, 10): (5, 10, 5),
-/// (4, 20, 5); the largest above the second one, at R = 20: (4, 20, 10).
+/// e = (x/10, y/5, z/2). Bottoms of the holes: (5, 10, 5), (4, 20, 5); the largest above the second, (4, 20, 10).
 #[test]
 fn the_page_says_what_was_calculated_by_hand() {
     let ran = visit("sample_mm = 5.0", PART).run("path job.toml part.nc -v").ends(0);
@@ -88,8 +85,7 @@ fn tables_take_the_error_off() {
     assert!(first.contains("\njob and tables DISAGREE:\n  - "), "{page}");
 }
 
-/// |e| along the line from (0, 50, 0) to (100, 0, 0), where e = (10 t, 10 (1 − t), 0), is least
-/// inside. Components, tangent and normal take no value there that they did not take before.
+/// |e| from (0, 50, 0) to (100, 0, 0) is least inside; no component, tangent or normal takes a new value there.
 #[test]
 fn the_smallest_error_is_exact() {
     let before = "G54 G0 X0 Y100. Z20.\nG1 X100. Y0\nX90.\nX100.\nZ0\nG0 X0 Y50.\n";

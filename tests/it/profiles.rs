@@ -1,5 +1,4 @@
-//! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
-//! can be made.
+//! Every built-in profile: its facts have a source, what is assumed has a consequence, its files can be made.
 use crate::shortage::job;
 use crate::support::{self, fixtures, own_profile, shown, source};
 use nonius::control::controller::{
@@ -98,8 +97,7 @@ fn of_page(page: &str) -> Profile {
     shown(load::profile(page, ProfileSource::BuiltIn, &template, &builtin::page))
 }
 
-/// One with half an origin is refused: fixtures/cases/refuses/profile.txt. Facts that pages once had to state are still
-/// taken, and shown.
+/// Half an origin: fixtures/cases/refuses/profile.txt. Facts that pages once had to state are taken, and shown.
 #[test]
 fn a_step_without_an_origin_is_a_rule_of_this_program() {
     let keys = "[facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\

@@ -1,5 +1,4 @@
-//! Part programs of measuring runs: what the operator gets, and that every program is walked by
-//! code that knows nothing of how it was written.
+//! Part programs of measuring runs, each of them walked by code that knows nothing of how it was written.
 use crate::support::{holds, read_job, readings, replaced, source};
 use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
@@ -380,8 +379,7 @@ fn cases() -> impl Strategy<Value = Case> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// `make` itself reads its bytes back and walks them; here the positions go on as a file of
-    /// readings, which the reader of measurements must take without a word.
+    /// `make` itself walks its bytes; here the positions go on as a file of readings, taken without a word.
     #[test]
     fn every_machine_gets_programs_that_are_walked(case in cases()) {
         let kit = case.kit();

@@ -114,8 +114,7 @@ fn all_ways() -> impl Strategy<Value = String> {
     ways(&["linear", "pchip", "natural-spline"], &["sample", "least-squares", "minimax"])
 }
 
-/// Two machines that differ by rounding of their positions have the same table within this. The
-/// least largest residual is found by iteration, and several tables can have the same.
+/// Of two machines that differ by rounding; the least largest residual is iterated, and several tables can have it.
 fn same_value_um(ways: &str) -> f64 {
     if ways.contains("minimax") { 1e-6 } else { DUST_UM }
 }
@@ -309,8 +308,7 @@ fn squareness_leaves_the_reference_zero_where_it_was_not_measured() {
     }
 }
 
-/// By its residual two points would do over 5 m: the smallest spacing was taken that covers them but for a millionth of a
-/// spacing, 5 µm. A job that says where its table ends gets that.
+/// A millionth of a spacing was left open at an end, 5 µm of 5 m; a job may say where its table ends.
 #[test]
 fn a_grid_covers_a_long_travel_unless_the_job_says_where_it_ends() {
     for (request, reference, ends) in [

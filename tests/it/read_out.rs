@@ -82,8 +82,7 @@ impl Control {
         self.is(more, "pass", AGREE);
     }
 
-    /// Every row: what stands beside the tables (`\n` = the end of a line), the verdict, and the words where job
-    /// and tables do not just agree.
+    /// Every row: what stands beside the tables (`\n` = end of a line), the verdict, and words unless they just agree.
     #[track_caller]
     fn each(&self, rows: &str) {
         for row in rows.trim().lines().map(str::trim).filter(|row| !row.starts_with("# ")) {

@@ -95,8 +95,7 @@ fn the_jobs_to_start_from_are_named_and_that_of_readings_works_for_every_control
     }
 }
 
-/// How many of the readings of the shipped job can be off by `off_um`, each alone, so that
-/// `separate` finds nothing; `noise_um` = what the job states of a reading.
+/// How many readings of the shipped job can be off by `off_um`, each alone, so that `separate` finds nothing.
 fn unnoticed(off_um: f64, noise_um: Option<f64>) -> (usize, usize) {
     let visit = Visit::of("start/readings");
     if let Some(um) = noise_um {

@@ -1,5 +1,4 @@
-//! Files that real controls wrote, read where they lie: not part of this repository, and nothing of
-//! them is copied here. What was understood of them is told in counts, ranges and largest values.
+//! Files of real controls, read where they lie, nothing copied: told in counts, ranges and largest values.
 use crate::support::{holds, inputs, job_of, response, shared, shown, um_at};
 use nonius::control::controller::Role;
 use nonius::control::table::Tables;

@@ -1,5 +1,4 @@
-//! Files that other people's instruments and CAM systems wrote, read where they lie beside the
-//! repository: what is understood of each, and which are refused for which reason.
+//! Files of other people's instruments and CAM systems, read where they lie: what is understood, what refused and why.
 use crate::support::words as said_of;
 use crate::support::{Visit, shared};
 use nonius::control::controller::TableSign;

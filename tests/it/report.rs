@@ -1,5 +1,4 @@
-//! The page that is handed over: its figures are those of the commands, its bytes are the same twice, text of
-//! others is harmless, and a browser shows it without anything cut off.
+//! The page that is handed over: figures as of the commands, the same bytes twice, text of others harmless.
 use crate::support::visit::page as repository_page;
 use crate::support::{Visit, holds, in_parallel, lacks, number, replaced};
 use serde_json::Value;

@@ -1,5 +1,4 @@
-//! Cases in which the program once said too much or too little, with the verdicts that each must give
-//! (`../shared/data/repro/EXPECTED.md`); statements that are true in their simulation are added.
+//! Cases in which the program once said too much or too little (`../shared/data/repro/EXPECTED.md`), with what is true.
 
 use crate::support::{Visit, number, shared};
 
@@ -199,8 +198,7 @@ fn cases_that_once_passed_in_silence_are_findings() {
     }
 }
 
-/// A yaw bowed by 10 µrad with 10 stated, twice what is meant: the squareness is off by 10 µm/m, √12 times the
-/// u of that bow.
+/// A yaw bowed by 10 µrad with 10 stated, twice what is meant: squareness off by 10 µm/m, √12 times the u of that bow.
 #[test]
 fn a_bow_of_the_whole_bound_is_off_by_no_more_than_its_share() {
     let Some(visit) = copy_of("yaw_bow") else { return };

@@ -1,5 +1,4 @@
-//! `nonius separate` and `generate` from readings, as a user runs them: the golden cases, the
-//! words that go with a result, what is refused.
+//! `nonius separate` and `generate` from readings: the golden cases, the words with a result, what is refused.
 use crate::support::{
     DIAGONALS, Visit, fixture, golden_case, labelled, number, with_cells, without,
 };
@@ -26,8 +25,7 @@ fn with_linear_axes(count: usize) -> Visit {
     visit
 }
 
-/// The document of a separation; status 1: an error is not determined, or something speaks
-/// against the result.
+/// The document; status 1: an error is not determined, or something speaks against the result.
 #[track_caller]
 fn separated(visit: &Visit, status: i32) -> Value {
     visit.run("separate job.toml --trials 0 --format json").ends(status).json()
@@ -103,8 +101,7 @@ fn the_figures_of_case_d_are_those_of_the_reference() {
     assert!(page["errors"].get("EXX+").is_some() && page["errors"].get("EXX-").is_some());
 }
 
-/// The straight diagonals of case A's machine, from its cell ends, with more keys in
-/// `[measurement.step_diagonal]` and below, and more rows.
+/// The straight diagonals of case A, from its cell ends, with more keys of their section and below, and more rows.
 pub(crate) fn straight(keys: &str, rows: &str) -> Visit {
     let visit = golden_case("case_a_ideal");
     let kind = format!("kind = \"straight\"\nclosure_errors = \"truth.csv\"\n{keys}");
@@ -130,8 +127,7 @@ fn cell_ends() -> [(&'static str, Vec<f64>); 4] {
     })
 }
 
-/// Runs back over the same nodes, 5 µm lower everywhere: in rows `reverse`, or under the names of
-/// the ways back, numbered, signed and zeroed along their own travel.
+/// Runs back, 5 µm lower: in rows `reverse`, or named as ways back, numbered, signed and zeroed along their own travel.
 pub(crate) fn runs_back(own_names: bool) -> String {
     let mut text = String::new();
     for ((diagonal, values), name) in cell_ends().iter().zip(["NNN", "PNN", "NPN", "NNP"]) {
@@ -227,8 +223,7 @@ fn an_assumed_set_up_has_an_uncertainty_only_with_a_stated_tilt() {
     near(&page["errors"]["EXX"]["u_um"][10], 24.69, 0.05);
 }
 
-/// A mirror tilted by 50 µrad in X and Y of every set-up on a perfect machine: the totals are 0
-/// and the closure is clean.
+/// A mirror tilted by 50 µrad in X and Y of every set-up on a perfect machine: totals 0, the closure clean.
 #[test]
 fn a_hidden_set_up_error_is_said_in_words() {
     let mut rows = "diagonal,run,direction,node,moved,deviation_um\n".to_string();

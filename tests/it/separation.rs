@@ -1,5 +1,4 @@
-//! The separation against the golden cases of the project's reference (fixtures/diagonals): an
-//! independent numerical simulation made the readings and the expected figures.
+//! The separation against the golden cases (fixtures/diagonals), readings and figures of an independent simulation.
 use crate::support::diagonals::{campaign, close, curve};
 use crate::support::{fixture, golden_readings, number, read_job};
 use nonius::inputs::job::{Linear, LinearSlope};

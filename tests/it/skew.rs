@@ -1,5 +1,4 @@
-//! Klipper's skew correction against its formula: whatever leans, and wherever the machine homes, the bytes take off
-//! the lean, and nothing else.
+//! Klipper's skew correction against its formula: the bytes take off the lean, and nothing else, wherever it homes.
 use crate::support::{self, Random, Visit, holds, number, um_at};
 use nonius::control::controller::builtin;
 use nonius::quantity::Direction;

@@ -1,5 +1,4 @@
-//! Whole files as a control gets them, of a machine of five points an axis with round numbers.
-//! A snapshot shows that nothing changed; each one was checked by hand when it was accepted.
+//! Whole files of a machine of five points an axis: a snapshot was checked by hand when it was accepted.
 use crate::support::{self, five_points, in_repository};
 use nonius::control::controller::{Role, builtin};
 use nonius::kit::Kit;

@@ -1,5 +1,4 @@
-//! Largest differences of error vectors: golden figures of machine H, and random machines
-//! against the comparison of all pairs.
+//! Largest differences of error vectors: golden figures of machine H, random machines against all pairs.
 use crate::support::machine_h::{self, machine_h};
 use crate::support::random_map::{self, Family, random_map};
 use crate::support::{fixture, short_or};

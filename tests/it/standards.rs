@@ -1,5 +1,4 @@
-//! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and files of
-//! runs of one axis (what is wrong with them: fixtures/cases/refuses/standards.txt).
+//! Figures by standard: by hand, independent, their laws; files of runs (refused: cases/refuses/standards.txt).
 use crate::support::{DIAGONALS, Visit, holds, in_repository, is_shown, page, shared, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;

@@ -1,5 +1,4 @@
-//! What `nonius standards` takes beside tables of runs: readings of the body diagonals, jobs that
-//! name them, and `.rtl` files.
+//! What `nonius standards` takes beside tables of runs: readings of diagonals, jobs that name them, `.rtl` files.
 use crate::separate::{near, runs_back, straight};
 use crate::support::{Ran, Visit, fixtures, holds, number};
 use serde_json::{Value, json};

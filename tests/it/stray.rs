@@ -1,5 +1,4 @@
-//! `verify` on a stick as it comes back: files of operating systems, files that the kit does not
-//! list, a kit of another control, a job that was changed since.
+//! `verify` on a stick as it comes back: files of others, a kit of another control, a job that was changed since.
 
 use crate::support::Visit;
 use std::fs;

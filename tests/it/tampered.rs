@@ -268,8 +268,7 @@ fn tables_without_files_that_switch_are_judged_with_a_note() {
     kit.no(EEC, of_system_2).says(SYSTEM_2);
 }
 
-/// A control keeps what no line writes. Without a manifest nothing but the reading can find that; of each
-/// variable and parameter one line is taken out.
+/// A control keeps what no line writes, and only the reading can find that; one line of each kind is taken out.
 #[test]
 fn an_assignment_that_a_kit_lacks_is_found_without_its_manifest() {
     for (control, files) in [

@@ -1,5 +1,4 @@
-//! What `generate` says beside its figures: assumptions that matter apart from those that cannot,
-//! preconditions as sentences, the verdict where a person looks last.
+//! What `generate` says beside its figures: assumptions that matter, preconditions as sentences, the verdict.
 
 use crate::support::{Ran, Visit, own_profile};
 

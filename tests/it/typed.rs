@@ -1,5 +1,4 @@
-//! Tables that a person types in: the printed sheet, the list beside it, and what was read back from the screen
-//! (lists that are refused: fixtures/cases/refuses/typed.txt).
+//! Tables that a person types in: sheet, list, what was read from the screen (refused: cases/refuses/typed.txt).
 use crate::support::{Ran, Visit, own_profile, replaced};
 
 /// Five points an axis with 1 µm as the smallest step, typed as `value` in `unit`, with the kit.

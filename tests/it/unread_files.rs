@@ -1,5 +1,4 @@
-//! What a control loads is protected whatever its role: files that no reader takes (role `report`)
-//! get no *pass*, and changed, deleted or unlisted they fail.
+//! What a control loads is protected: files without reader (role `report`) get no *pass*; changed or deleted they fail.
 
 use crate::support::{Ran, Visit, tree};
 use std::fs;

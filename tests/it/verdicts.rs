@@ -1,5 +1,4 @@
-//! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
-//! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
+//! No verdict is surer than what it rests on: one U everywhere, limits on the largest of many, parts of the travel.
 use crate::support::{DIAGONALS, UNCORRECTED, Visit, error_rows, job_of, number, replaced};
 use serde_json::Value;
 use std::fs;
@@ -205,8 +204,7 @@ fn offered(said: &str) -> Vec<(&str, &str)> {
     lines.filter_map(|line| line.split_once("` would leave ")).collect()
 }
 
-/// `at most 1.234 µm`, of what the rows of a page leave that the job limits; the document has them to 10⁻⁶ µm, so one on
-/// half of the last digit that is shown may be `off_um` to either side.
+/// `at most 1.234 µm` of what a page leaves; on half of the digit shown it may be `off_um`, as documents have 10⁻⁶ µm.
 fn left_on(page: &Value, job: &str, off_um: f64) -> String {
     let at_most = |rows: &str| {
         let rows = page[rows].as_object().into_iter().flatten();

@@ -1,5 +1,4 @@
-//! The day at the machine from end to end, through the program itself: as found, separated, made,
-//! loaded into the emulated control, measured again, judged. And the two machines of paper 004.
+//! The day at the machine, through the program: separated, made, loaded, measured again; the machines of paper 004.
 use crate::support::{Visit, fixture, number, page, replaced};
 use serde_json::Value;
 
@@ -224,8 +223,7 @@ fn worn_out() -> String {
     truth().lines().map(|line| cells(line).join(",") + "\n").collect()
 }
 
-/// Straight runs of a rehearsal: what they are stands on the page, and what they were predicted
-/// from does not pass for what was measured; a small box leaves it undecided.
+/// What they were predicted from does not pass for what was measured; a small box leaves it undecided.
 #[test]
 fn straight_runs_of_a_rehearsal_say_what_they_are() {
     let visit = as_found();
@@ -292,8 +290,7 @@ fn a_visit_in_both_directions_takes_the_lost_motion_away() {
     assert_eq!(after["verdict"], "pass", "{after:#}");
 }
 
-/// Neither forward runs nor runs with overrun tell the reversal of an axis; the linear axes of the
-/// same job do, and the kit takes it away.
+/// Neither forward runs nor runs with overrun tell it; the linear axes of the same job do, and the kit takes it away.
 #[test]
 fn linear_axes_in_both_directions_tell_the_reversal() {
     let mut job = golden("siemens-840d-sl");
@@ -322,8 +319,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         put_jobs(&visit, &job, campaign("backlash = \"two-tables\"\n"));
         visit.yes("generate job.toml -o kit");
         let after = judged(&visit, "--tables kit");
-        // The noise of B from place to place is loaded with it, and a forward run that mixes both
-        // directions may take it for a disturbed reading: pass or undecided.
+        // The noise of B is loaded with it, and may be taken for a disturbed reading: pass or undecided.
         assert_ne!(after["verdict"], "fail", "{after:#}");
         let left = number(&after["terms"]["EXX"]["after_um"]);
         assert!(left < 2.0, "6 um of lost motion were there: {left}");
@@ -334,8 +330,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
     }
 }
 
-/// What a tilted mirror and slopes do beyond the first order, µm; a sign or a correction that is
-/// forgotten makes several micrometres.
+/// A tilted mirror and slopes, beyond the first order, µm; a sign that is forgotten makes several micrometres.
 const SECOND_ORDER_UM: f64 = 0.05;
 
 const MATERIAL: &str = "[measurement.step_diagonal.material]
@@ -347,8 +342,7 @@ y = { alpha_per_k = 10.0e-6 }
 const ANGLES: &str = "axis,position_mm,ea_urad,eb_urad,ec_urad
 x,0,0,0,0\nx,400,5,-8,12\ny,0,0,0,0\ny,300,4,3,-6\n";
 
-/// Sign of the laser, expansion and angles: what `separate` takes off the readings of a job,
-/// `simulate` puts on the readings that it predicts for the same job.
+/// Sign of the laser, expansion and angles: `separate` takes them off the readings, `simulate` puts them on.
 #[test]
 fn predicted_readings_of_a_job_are_those_that_the_job_takes_apart() {
     let visit = Visit::of("start/readings");

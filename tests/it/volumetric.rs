@@ -86,8 +86,7 @@ fn error_matrix([x, y, z, a, b, c]: [f64; 6]) -> Matrix4<f64> {
 const OFFSETS: [f64; 3] = [350.0, 180.0, 130.0];
 const TOOL: [f64; 3] = [40.0, -25.0, -180.0];
 
-/// Error of the tool point by matrices, µm: an axis on the tool side turns what stands behind
-/// its own travel, a table (measured on the table) what stands behind the table's zero.
+/// Error of the tool point, µm: a tool axis turns what is behind its travel, a table what is behind the table's zero.
 fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
     let mut chain = Matrix4::identity();
     let mut nominal = TOOL;
@@ -143,11 +142,9 @@ fn every_chain_agrees_with_matrices_to_second_order() {
 #[test]
 fn machine_h_goes_through_figure_2() {
     let volume = volume(&fixture("machine_h/job.toml"), &fixture("machine_h/errors.csv"));
-    // Z 1350 lies between two nodes of the table, where the curve is a straight line: the terms
-    // of Z are off their closed form there, all others are the paper's.
+    // Z 1350 lies between two nodes, where the terms of Z are off their closed form; all others are the paper's.
     let place = PerAxis { x: 9000.0, y: 3500.0, z: 1350.0 };
-    // The arms of the paper count from the offsets, squareness of ours from the reference: what it
-    // prints is the difference from the place of the offsets.
+    // The arms of the paper count from the offsets, our squareness from the reference: it prints the difference.
     let part = |name: &str, axis: Axis| {
         let components = volume.components();
         let found = components.iter().find(|c| c.to_string() == name).unwrap();
@@ -175,8 +172,7 @@ fn machine_h_goes_through_figure_2() {
     }
 }
 
-/// The same machine measured at another place of the resting axes: each deviation then holds
-/// what the angles do over the shift. The map moves by a constant, and VA not at all.
+/// Each deviation then holds what the angles do over the shift: the map moves by a constant, and VA not at all.
 #[test]
 fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
     let mut random = Random::new(11);

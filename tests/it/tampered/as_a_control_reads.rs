@@ -1,5 +1,4 @@
-//! What no job asks for, in kits without manifest, and a whole parameter file. What a control and a reader could
-//! understand differently: tests of `read::siemens` and `read::fanuc`.
+//! What no job asks for, without manifest, and a whole parameter file (what readers understand: src/read).
 
 use super::*;
 

@@ -137,8 +137,7 @@ fn all_cases() -> Vec<Case> {
     (0..240).map(of).collect()
 }
 
-/// Every case of some controls. Before is what was measured, and after is small; at every point of
-/// the new tables, of which at least `points` are compared, new is old plus residual.
+/// Every case of some controls: before as measured, after small, new = old + residual at `points` points at least.
 fn new_is_old_plus_residual(families: &[&str], points: usize) {
     let (mut random, mut compared) = (Random::new(7), 0);
     for case in all_cases() {

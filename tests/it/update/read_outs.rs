@@ -1,5 +1,4 @@
-//! What acted is found in files that were read out of a control, and what is assumed. What they have to hold:
-//! fixtures/cases/refuses/active.txt.
+//! What acted is found in files that were read out, or assumed (what they have to hold: cases/refuses/active.txt).
 
 use super::*;
 

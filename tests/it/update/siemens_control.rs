@@ -86,8 +86,7 @@ impl Control {
     }
 }
 
-/// A control that holds the tables of `old`, ENC_COMP and CEC tables that are switched off, tables
-/// of other axes, and its machine data.
+/// A control with the tables of `old`, others that are switched off or of other axes, and its machine data.
 fn before(old: &Kit, policy: &str) -> Control {
     let profile = builtin::profile("siemens-840d-sl").unwrap();
     let mut control = Control::default();
