@@ -90,13 +90,6 @@ fn true_linear_axes_agree_and_each_is_confirmed_by_the_others() {
     close(u, wanted, 0.002, "u of the difference");
 }
 
-#[test]
-fn without_redundancy_it_is_said_that_nothing_checks() {
-    let (_, found) = found_with(4, &[Axis::X, Axis::Y], |_| ());
-    assert_eq!(found.agreement, None);
-    labelled(&found, "nothing checks the linear axes");
-}
-
 /// The same readings; X and Y with u = 0.1 µm/m; a material at a temperature that is stated or recorded.
 fn with_stated(
     seed: u64,
@@ -242,6 +235,9 @@ fn what_rests_on_an_unknown_uncertainty_has_none() {
         assert_eq!(u_at_end(&found, name).is_some(), known, "{name}");
     }
     labelled(&found, "add `u_um_per_m`");
+    // Without redundancy.
+    assert_eq!(found.agreement, None);
+    labelled(&found, "nothing checks the linear axes");
 }
 
 #[test]

@@ -268,8 +268,9 @@ fn kits(visit: &Visit) -> [(Ran, Value); 2] {
     })
 }
 
-/// Case B with 0.3 µm noise and one reading 20 µm off.
-fn disturbed_case_b() -> Visit {
+#[test]
+fn a_disturbed_reading_reaches_every_output() {
+    // 0.3 µm noise and one reading 20 µm off.
     let mut random = seeded(20);
     let visit = golden_case("case_b_setup");
     let spoilt = with_cells(&visit.read("readings.csv"), |cells| {
@@ -282,12 +283,6 @@ fn disturbed_case_b() -> Visit {
         true
     });
     visit.put("readings.csv", spoilt);
-    visit
-}
-
-#[test]
-fn a_disturbed_reading_reaches_every_output() {
-    let visit = disturbed_case_b();
     let words = "PPP forward node 58";
     two_step(&visit, 1).says("note: disturbed reading").says(words);
     let page = visit.run("separate job.toml --format json").ends(1).json();

@@ -63,21 +63,14 @@ fn ini(lines: &str) -> String {
     format!("{head}{}{}", joint(0), joint(1))
 }
 
-/// The machine's files as they were copied, beside a job with its kit.
-fn copied() -> Visit {
-    let visit = kit(NONE, TWO);
-    visit.put("out/machine.ini", ini(&visit.read("kit/joints.ini")));
-    for name in ["joint-0.comp", "joint-1.comp"] {
-        visit.put(&format!("out/{name}"), visit.read(&format!("kit/{name}")));
-    }
-    visit
-}
-
 #[test]
 fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
-    let visit = copied();
+    let visit = kit(NONE, TWO);
+    visit.put("out/machine.ini", ini(&visit.read("kit/joints.ini")));
     // The lines of the kit beside it say nothing for the machine's own.
-    visit.put("out/joints.ini", visit.read("kit/joints.ini"));
+    for name in ["joint-0.comp", "joint-1.comp", "joints.ini"] {
+        visit.put(&format!("out/{name}"), visit.read(&format!("kit/{name}")));
+    }
     let verify = "verify job.toml --tables out --explain";
     visit.run(verify).ends(0);
     let latch = "HOME_LATCH_VEL of [JOINT_0] is -5";

@@ -53,10 +53,11 @@ fn errors_measured_moving_back_count_in_the_selection() {
     assert!(!omitted.contains(&"EZX".to_string()), "{omitted:?}");
 }
 
-fn both_ways() -> String {
+/// A kit of a control with eight CEC tables, of which `more` may say that they are in use.
+fn of_828d(more: &str) -> Kit {
     let axes =
         ["x", "y", "z"].map(|axis| (axis, (0..31).map(|row| f64::from(row) / 0.3).collect()));
-    support::error_rows("ex_um,ey_um,ez_um", &axes, &["+", "-"], |axis, way, at| {
+    let errors = support::error_rows("ex_um,ey_um,ez_um", &axes, &["+", "-"], |axis, way, at| {
         let index = usize::from(axis == "y") + 2 * usize::from(axis == "z");
         let reversal = if way == "-" { 2.0 } else { 0.0 };
         [0, 1, 2].map(|of| {
@@ -64,13 +65,9 @@ fn both_ways() -> String {
             let (x, of) = (at / 100.0, of as f64);
             size * (x * (1.5 + of)).sin() + reversal * (1.0 + 0.1 * of)
         })
-    })
-}
-
-/// A kit of a control with eight CEC tables, of which `more` may say that they are in use.
-fn of_828d(more: &str) -> Kit {
+    });
     let policy = format!("backlash = \"two-tables\"\n{more}");
-    support::generate(&job("siemens-828d", &policy, 0.0, 10.0), &both_ways()).1
+    support::generate(&job("siemens-828d", &policy, 0.0, 10.0), &errors).1
 }
 
 #[test]

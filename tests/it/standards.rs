@@ -173,22 +173,33 @@ fn missed(targets_mm: &[f64], count: usize) -> usize {
 }
 
 #[test]
-fn conditions_are_judged_by_length() {
-    assert_eq!(missed(&UNEVEN, 5), 0);
-    assert_eq!(missed(&UNEVEN, 3), 1, "three runs");
-    assert_eq!(missed(&UNEVEN[..4], 5), 1, "four targets");
-    assert_eq!(missed(&even(5, 100.0), 5), 1, "equal distances");
-    assert_eq!(missed(&[0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0], 5), 1, "six targets on 1.5 m");
-    assert_eq!(missed(&even(13, 250.0), 1), 0, "one run above 2 m");
-    assert_eq!(missed(&even(7, 500.0), 1), 1, "every 500 mm");
+fn conditions_are_judged_by_length_and_targets_in_a_heap_are_found() {
+    let long_heap = [even(11, 1.0), vec![2400.0]].concat();
+    for (targets, runs, misses, what) in [
+        (&UNEVEN[..], 5, 0, "as the standard asks"),
+        (&UNEVEN, 3, 1, "three runs"),
+        (&UNEVEN[..4], 5, 1, "four targets"),
+        (&even(5, 100.0), 5, 1, "equal distances"),
+        (&[0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0], 5, 1, "six targets on 1.5 m"),
+        (&even(13, 250.0), 1, 0, "one run above 2 m"),
+        (&even(7, 500.0), 1, 1, "every 500 mm"),
+        // Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
+        (&even(10, 250.0), 1, 0, "every 250 mm"),
+        (&long_heap, 1, 1, "above 2 m, every 218 mm on average"),
+        // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
+        (&[0.0, 50.0, 250.0, 300.0, 400.0], 5, 0, "the widest"),
+    ] {
+        assert_eq!(missed(targets, runs), misses, "{what}");
+    }
     let label = iso_230_2::label(&conditions(&flat(&UNEVEN, 3)));
     assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
-    // Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
-    assert_eq!(missed(&even(10, 250.0), 1), 0);
     let runs = flat(&even(10, 250.0), 5);
     holds(&iso_230_2::label(&conditions(&runs)), &["5 runs up, 5 down"]);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::LongAxis.into());
+    let heap = flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5);
+    let words = Condition::missed(&conditions(&heap));
+    assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
@@ -202,17 +213,6 @@ fn lengths_are_judged_without_the_dust_of_binary_fractions() {
     let runs = flat(&two, 5);
     assert!(runs.length_mm() > 2000.0 && !span(&runs).is_long());
     assert_eq!(missed(&two, 5), 0);
-}
-
-#[test]
-fn targets_in_a_heap_are_found() {
-    let heap = flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5);
-    let words = Condition::missed(&conditions(&heap));
-    assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
-    let long = [even(11, 1.0), vec![2400.0]].concat();
-    assert_eq!(missed(&long, 1), 1, "above 2 m, every 218 mm on average");
-    // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
-    assert_eq!(missed(&[0.0, 50.0, 250.0, 300.0, 400.0], 5), 0);
 }
 
 #[test]

@@ -26,19 +26,14 @@ fn kit_of(job: &str, table: &str) -> Tree {
 }
 
 #[test]
-fn a_kit_within_its_acceptance_is_a_yes_and_its_manifest_the_json() {
-    let visit = Visit::with(JOB, TABLE).with_kit();
-    assert!(visit.at("kit/manifest.json").is_file());
-    let printed = visit.yes("generate job.toml -o other --format json");
-    assert_eq!(printed, visit.read("other/manifest.json"));
-}
-
-#[test]
-fn an_empty_directory_is_taken() {
+fn a_kit_within_its_acceptance_is_a_yes_into_an_empty_directory_and_its_manifest_the_json() {
     let visit = Visit::with(JOB, TABLE);
     fs::create_dir(visit.at("kit")).unwrap();
     let ran = visit.run("generate job.toml -o kit --force").ends(0).omits("moved kit");
     assert!(!visit.has("kit.previous"), "{}", ran.err);
+    assert!(visit.at("kit/manifest.json").is_file());
+    let printed = visit.yes("generate job.toml -o other --format json");
+    assert_eq!(printed, visit.read("other/manifest.json"));
 }
 
 #[test]

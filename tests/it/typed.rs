@@ -51,6 +51,8 @@ fn every_sense_and_unit_reads_back_to_the_same_tables() {
             let expected = of_y.map(|um| um / scale);
             assert_eq!(found, expected, "{value} {unit}: EYY at -200 … 200 mm, sum");
             judged(&visit, &all_seen(&list)).ends(0);
+            // As a spreadsheet may write it.
+            judged(&visit, &all_seen(&list).replace(',', ";").replace('.', ",")).ends(0);
             // Nobody looked at the screen.
             judged(&visit, &list).ends(2).says("`seen` is empty in");
         }
@@ -143,11 +145,4 @@ fn a_list_in_counts_or_with_decimals_is_held_as_it_stands() {
     let wrong = seen.replace("EYY,Y,Y,,0,2,2,0,0,0", "EYY,Y,Y,,0,2,2,0,1,1");
     let wrong = wrong.replace("2,sum,,20,20", "2,sum,,21,21");
     judged(&visit, &wrong).ends(2).says("the reference point has an increment, expected 0");
-}
-
-#[test]
-fn a_spreadsheet_may_write_semicolons_and_decimal_commas() {
-    let visit = typed("correction", "mm", "spacing_mm = 100.0");
-    let list = all_seen(&list(&visit)).replace(',', ";").replace('.', ",");
-    judged(&visit, &list).ends(0);
 }
