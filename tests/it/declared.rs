@@ -148,9 +148,9 @@ fn a_mistake_in_the_profile_has_its_line() {
     visit.yes("controllers check norden.toml");
 }
 
-/// The X table of a Weihong cut at 200 of 400 mm: neither judged nor built upon.
+/// The X table of a Weihong cut at 200 of 400 mm: neither judged nor built upon (written: cases/refuses/controls.txt).
 #[test]
-fn a_short_table_is_refused_where_outside_is_not_known() {
+fn a_table_that_is_short_or_goes_beyond_the_travel_is_refused_where_what_that_does_is_not_known() {
     let visit = Visit::with_job("machines/five_points/weihong.toml");
     let active = "= \"active\"\nactive_terms_not_measured = \"keep\"\n\
                   active_backlash_um = { x = 0.0, y = 0.0, z = 0.0 }";
@@ -170,18 +170,11 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
         let ran = visit.put("active/READ.TXT", text).run(line).ends(expected);
         assert_eq!(ran.all().contains(words), expected > 0, "{line}: {}", ran.all());
     }
+    let beyond = replaced(&whole, "200.000, -0.006, -0.006", "225.000, -0.006, -0.006");
+    let says = "this control does not use points beyond the travel";
+    visit.put("active/READ.TXT", beyond).run(verify).ends(1).says(says);
     let many = whole.replacen("[Y]", &("400.0, 0.0, 0.0\r\n".repeat(50_000) + "[Y]"), 1);
     visit.put("active/READ.TXT", many).run(verify).ends(2).says("a point behind the");
-}
-
-/// What is written has no point behind an end of the travel: fixtures/cases/refuses/controls.txt.
-#[test]
-fn a_table_beyond_the_travel_is_refused_where_the_control_uses_no_point_there() {
-    let visit = Visit::with_job("machines/five_points/weihong.toml").with_any_kit();
-    let (last, beyond) = ("200.000, -0.006, -0.006", "225.000, -0.006, -0.006");
-    visit.put("beyond/READ.TXT", replaced(&visit.read("kit/axeserr.dat"), last, beyond));
-    let ran = visit.run("verify job.toml --tables beyond").ends(1);
-    ran.says("this control does not use points beyond the travel");
 }
 
 /// Steps of a profile stand behind those of the one that it builds on, each at the end of its part.

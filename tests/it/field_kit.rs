@@ -365,34 +365,33 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
 /// Controls that refuse points beyond the travel: tests/it/declared.rs.
 #[test]
 fn a_reference_point_off_the_travel_is_noted() {
-    in_parallel(support::any_grid_ids(), ensure_reference_noted);
-}
-
-fn ensure_reference_noted(id: &str) {
-    let words = "mm outside the travel of the job";
-    let (job, errors) = five_points(id);
-    // No table is looked up along an axis that was not measured.
-    let others = errors.split_inclusive('\n').filter(|line| !line.starts_with("x,"));
-    let others: String = others.collect();
-    for (reference, beyond) in [
-        ("460.0", Some("460 mm, lies 60.00")),
-        ("-0.02", Some("-0.02 mm, lies 0.02")),
-        ("400.009", None),
-        ("400.0", None),
-    ] {
-        let job = job.replacen("reference_mm = 0.0", &format!("reference_mm = {reference}"), 1);
-        let (_, kit) = support::generate(&job, &errors);
-        let (_, unmeasured) = support::generate(&job.replace(TWO_TABLES, ""), &others);
-        let notes = |kit: &Kit| support::words(&kit.manifest.notes).join("\n");
-        if let Some(beyond) = beyond {
-            let told = format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare");
-            holds(&notes(&kit), &[&told]);
-            let (work, _) = checklist(&kit).split_once("## Annex").unwrap();
-            holds(work, &[&format!("- [ ] {told}")]);
+    in_parallel(support::any_grid_ids(), |id| {
+        let words = "mm outside the travel of the job";
+        let (job, errors) = five_points(id);
+        // No table is looked up along an axis that was not measured.
+        let others = errors.split_inclusive('\n').filter(|line| !line.starts_with("x,"));
+        let others: String = others.collect();
+        for (reference, beyond) in [
+            ("460.0", Some("460 mm, lies 60.00")),
+            ("-0.02", Some("-0.02 mm, lies 0.02")),
+            ("400.009", None),
+            ("400.0", None),
+        ] {
+            let job = job.replacen("reference_mm = 0.0", &format!("reference_mm = {reference}"), 1);
+            let (_, kit) = support::generate(&job, &errors);
+            let (_, unmeasured) = support::generate(&job.replace(TWO_TABLES, ""), &others);
+            let notes = |kit: &Kit| support::words(&kit.manifest.notes).join("\n");
+            if let Some(beyond) = beyond {
+                let told =
+                    format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare");
+                holds(&notes(&kit), &[&told]);
+                let (work, _) = checklist(&kit).split_once("## Annex").unwrap();
+                holds(work, &[&format!("- [ ] {told}")]);
+            }
+            assert_eq!(notes(&kit).contains(words), beyond.is_some(), "{id}, {reference}");
+            assert!(!notes(&unmeasured).contains(words), "{id}, {reference}");
         }
-        assert_eq!(notes(&kit).contains(words), beyond.is_some(), "{id}, {reference}");
-        assert!(!notes(&unmeasured).contains(words), "{id}, {reference}");
-    }
+    });
 }
 
 #[test]

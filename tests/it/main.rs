@@ -67,7 +67,6 @@ mod space;
 mod standards;
 mod standards_inputs;
 mod stories;
-mod stray;
 mod tampered;
 mod told;
 mod typed;

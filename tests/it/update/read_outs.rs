@@ -72,12 +72,22 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
 }
 
 #[test]
-fn tables_in_part_programs_count_as_active_where_there_are_no_others() {
+fn tables_in_part_programs_tables_of_zeros_and_tables_that_no_file_holds_are_told() {
     let program = format!("%_N_EEC_MPF\n{}M30\n", lec("0.010"));
     let active = format!("%_N_AX_EEC_INI\n{}M17\n", lec("0.010"));
-    let notes = |file: &str| notes_of(&taken(&siemens(ACTIVE), EXX_ONLY, file).active.unwrap());
-    holds(&notes(&format!("{active}{program}")), &["part programs were ignored (EEC_MPF)"]);
-    holds(&notes(&program), &["count as run and active"]);
+    for (file, words) in [
+        (active + &program, "part programs were ignored (EEC_MPF)"),
+        (program, "count as run and active"),
+        (lec("0") + "M17\n", "\nthe active tables of AX1 → AX1 hold zeros: old = 0\n"),
+        (lec("0.004") + "M17\n", "\nassumed: ENC_COMP of AX2\n"),
+        (lec("0.004") + "M17\n", "\nassumed: CEC\n"),
+    ] {
+        let found = taken(&siemens(ACTIVE), FULL, &file);
+        let (active, notes) = (found.active.unwrap(), crate::support::words(&found.notes));
+        let facts = active.assumptions.iter().map(|a| format!("assumed: {}", a.fact));
+        let all: Vec<String> = notes.into_iter().chain(facts).collect();
+        holds(&format!("{}\n{}\n", notes_of(&active), all.join("\n")), &[words]);
+    }
 }
 
 /// Switches say that a table acts that was not read out; these do not, and a limit of CEC that is not reached cuts nothing.
@@ -93,22 +103,6 @@ fn a_read_out_with_harmless_switches_is_taken() {
     ] {
         taken(&job, FULL, &format!("{}{harmless}M17\n", lec("0.004")));
     }
-}
-
-#[test]
-fn tables_of_zeros_are_a_read_out_like_any_other() {
-    let job = siemens(ACTIVE);
-    let zeros = lec("0") + "M17\n";
-    let notes = words(&taken(&job, FULL, &zeros).notes);
-    let says = "the active tables of AX1 → AX1 hold zeros: old = 0";
-    assert!(notes.iter().any(|note| note == says), "{notes:?}");
-}
-
-#[test]
-fn tables_that_no_file_speaks_of_are_assumed_to_be_absent() {
-    let active = taken(&siemens(ACTIVE), FULL, &(lec("0.004") + "M17\n")).active.unwrap();
-    let facts: Vec<&str> = active.assumptions.iter().map(|a| a.fact.as_str()).collect();
-    assert!(facts.contains(&"ENC_COMP of AX2") && facts.contains(&"CEC"), "{facts:?}");
 }
 
 #[test]
