@@ -1,6 +1,6 @@
 //! `verify --after`: the figures of the page and the verdict on what was measured.
 
-use crate::support::{Visit, error_rows, fixture, number};
+use crate::support::{Visit, error_rows, fixture, holds, lacks, number};
 use serde_json::Value;
 
 const ACCEPTANCE: &str = "[acceptance]\nmax_deviation_um = 1.0\n";
@@ -61,15 +61,13 @@ impl Judged {
     /// Words among its `causes` or `notes`.
     #[track_caller]
     fn says(self, part: &str, words: &str) -> Judged {
-        let said = self.page[part].to_string();
-        assert!(said.contains(words), "{part}: expected `{words}` in\n{:#}", self.page);
+        holds(&self.page[part].to_string(), &[words]);
         self
     }
 
     #[track_caller]
     fn omits(self, part: &str, words: &str) -> Judged {
-        let said = self.page[part].to_string();
-        assert!(!said.contains(words), "{part}: unexpected `{words}` in\n{:#}", self.page);
+        lacks(&self.page[part].to_string(), &[words]);
         self
     }
 }

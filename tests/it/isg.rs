@@ -3,7 +3,6 @@ use crate::support::{Visit, holds, number, replaced};
 
 /// Z rests at -100 mm and Y at 50 mm while X is measured.
 const OFFSETS: &str = "offsets_mm = { x = 100.0, y = 50.0, z = -100.0 }";
-const VERIFY: &str = "verify job.toml --tables kit --explain";
 
 /// X rolls, pitches and yaws; Y yaws. Positions of X from its rest, 100 mm.
 fn visit(old: &str, new: &str) -> Visit {
@@ -110,7 +109,8 @@ fn a_kit_is_read_back_and_judged() {
         (list, "X 1\r\nY 2", "X 2\r\nY 1", 1, "X is 2, the job writes 1"),
         (list, "ISG_CSV", "ETALON_EXCHANGE", 2, "expected ISG_CSV: write the parameters in that"),
     ] {
-        visit.run_with(file, from, to, VERIFY).ends(status).says(words);
+        let verify = "verify job.toml --tables kit --explain";
+        visit.run_with(file, from, to, verify).ends(status).says(words);
     }
 }
 

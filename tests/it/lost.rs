@@ -34,11 +34,6 @@ fn refused(visit: &Visit, command: &str, says: &str) {
     assert!(visit.files() == before, "{command} changed something");
 }
 
-fn piped(visit: &Visit, command: &str, from: &str) -> Ran {
-    let stdin = File::open(visit.at(from)).unwrap();
-    patiently(visit, command, stdin.into())
-}
-
 /// By its own name: fixtures/cases/refuses/outputs.txt.
 #[cfg(unix)]
 #[test]
@@ -158,7 +153,8 @@ fn standard_input_beyond_the_limit_is_refused_like_a_file() {
         // A valid job, as long as comments make it.
         let comments = format!("{}\n", "#".repeat(79)).repeat(bytes / 80 + 1);
         visit.put("long.toml", &format!("{job}{comments}")[..bytes]);
-        told(piped(&visit, "context -", "long.toml").ends(status), refusal);
+        let stdin = File::open(visit.at("long.toml")).unwrap();
+        told(patiently(&visit, "context -", stdin.into()).ends(status), refusal);
         expect(&visit, "context long.toml", status, refusal);
     }
 }

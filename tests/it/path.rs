@@ -3,17 +3,13 @@
 use crate::support::{Entry, Visit, fixtures, number, refusals};
 use part_program::{Language, Word, words};
 use proptest::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// A machine of 100 mm an axis, whose error in µm is (x/10, y/5, z/2), a program, further lines of `[path]`.
 fn visit(path: &str, program: &str) -> Visit {
     let visit = Visit::of("base/part");
     visit.edit("job.toml", "[path]\n", &format!("[path]\n{path}\n")).put("part.nc", program);
     visit
-}
-
-fn summary(path: &str, program: &str) -> Value {
-    visit(path, program).run("path job.toml part.nc --format json").ends(0).json()
 }
 
 const PART: &str = "%\nO1 (PART)\nG54 G0 X0 Y0 Z0\nG1 X10. F100\nG3 X20. Y10. I0 J10.\nG99 G81 X50. Y50. Z10. R20.\nX40. Y100.\nG80\nM30\n%\n";
@@ -89,7 +85,8 @@ fn tables_take_the_error_off() {
 #[test]
 fn the_smallest_error_is_exact() {
     let before = "G54 G0 X0 Y100. Z20.\nG1 X100. Y0\nX90.\nX100.\nZ0\nG0 X0 Y50.\n";
-    let found = summary("sample_mm = 1000.0", &format!("{before}G1 X100. Y0\n"));
+    let visit = visit("sample_mm = 1000.0", &format!("{before}G1 X100. Y0\n"));
+    let found = visit.run("path job.toml part.nc --format json").ends(0).json();
     let least = &found["extremes"]["e"]["min"];
     assert!((number(&least["um"]) - 50.0_f64.sqrt()).abs() < 2e-6, "{least}");
     assert!((number(&least["at_mm"][0]) - 50.0).abs() < 1e-6, "{least}");

@@ -1,8 +1,6 @@
 //! `verify` finds what happens to files between laptop and control, and names it.
 //!
-//! Kits of the nine errors of `fixtures/nine_errors_900` are changed with an editor's means (no
-//! number comes from the program) and judged. Each answer is no (1), or cannot be read (2), in
-//! words that name the mistake.
+//! Kits are changed with an editor's means (no number comes from the program) and judged, in words that name the mistake.
 
 mod as_a_control_reads;
 
