@@ -1,4 +1,5 @@
 //! Part programs of measuring runs, each of them walked by code that knows nothing of how it was written.
+use crate::snapshots::is_as_checked;
 use crate::support::{holds, read_job, readings, replaced, source};
 use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
@@ -109,33 +110,22 @@ fn text(kit: &ProgramKit, path: &str) -> String {
     String::from_utf8(bytes).unwrap().replace('\r', "")
 }
 
-/// Compares with the snapshot; `why` says how it was checked by hand.
-fn is_as_checked(snapshot: &str, why: &str, text: &str) {
-    insta::with_settings!({ description => why, omit_expression => true }, {
-        insta::assert_snapshot!(snapshot, text);
-    });
-}
-
 /// Positions stand in the order of the readings.
 #[test]
 fn programs_and_positions_are_those_that_were_checked() {
-    let why = "ZXY, X travels negative: approach 2 mm behind node 0, the sum of the forward steps is -90, 70, 110";
     let kit = siemens("").kit();
-    is_as_checked("siemens_npp", why, &text(&kit, "NONIUS_NPP.MPF"));
+    is_as_checked("it__program__siemens_npp", &text(&kit, "NONIUS_NPP.MPF"));
     let all = text(&kit, "positions.csv");
     let two: Vec<&str> = all.lines().take(15).collect();
-    let why = "PPP of the same machine: R = 158.43 mm; node 1 moves Z by 55: 55*110/R = 38.188";
-    is_as_checked("positions", why, &two.join("\n"));
+    is_as_checked("it__program__positions", &two.join("\n"));
     assert_eq!(all.lines().count(), 1 + 4 * 14);
-    let why = "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0";
     let kit = fanuc("return = \"diagonal\"\nruns = 2\nalignment_pass = false\nnumber = 4001").kit();
-    is_as_checked("fanuc_ppn", why, &text(&kit, "O4004.NC"));
+    is_as_checked("it__program__fanuc_ppn", &text(&kit, "O4004.NC"));
     let turn = text(&siemens("overrun_mm = 0").kit(), "NONIUS_PPP.MPF");
-    assert!(turn.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"), "{turn}");
+    holds(&turn, &["N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"]);
     let keys = "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"\nruns = 1\nalignment_pass = false\nsteps = 5";
     let kit = Case::small("fanuc-0i-f", keys).kit();
-    let why = "r_i = 4.5*(2*frac(0.618(i+1)) - 1) around 5, 23, 41, 59, 77, 95; first and last shifted inwards";
-    is_as_checked("offset_targets", why, &text(&kit, "positions.csv"));
+    is_as_checked("it__program__offset_targets", &text(&kit, "positions.csv"));
 }
 
 #[test]
