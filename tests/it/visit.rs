@@ -1,5 +1,5 @@
 //! The day at the machine, through the program: separated, made, loaded, measured again; the machines of paper 004.
-use crate::support::{Visit, fixture, number, page, replaced};
+use crate::support::{Visit, fixture, number, page, replaced, with_cells, without};
 use serde_json::Value;
 
 /// The box of the golden machine, as [program] and [measurement.step_diagonal] state it.
@@ -142,12 +142,11 @@ fn is_named(after: &Value, kind: &str, holds: &str) -> String {
 
 /// The readings of two diagonals, each under the name of the other.
 fn exchanged(readings: &str, one: &str, other: &str) -> String {
-    let row = |line: &str| match line.split_once(',') {
-        Some((name, rest)) if name == one => format!("{other},{rest}\n"),
-        Some((name, rest)) if name == other => format!("{one},{rest}\n"),
-        _ => format!("{line}\n"),
-    };
-    readings.lines().map(row).collect()
+    with_cells(readings, |cells| {
+        let swapped = [(one, other), (other, one)].into_iter().find(|(name, _)| cells[0] == *name);
+        swapped.into_iter().for_each(|(_, name)| cells[0] = name.to_string());
+        true
+    })
 }
 
 /// Whatever `separate` says of it: the second measurement shows which two names were exchanged.
@@ -180,16 +179,14 @@ fn steps_in_another_order_are_told_from_exchanged_names_after_the_second_measure
         visit.put("walked.toml", visit.read("machine.toml"));
         visit.edit("walked.toml", "order = \"XYZ\"", &format!("order = \"{order}\""));
         visit.yes(&format!("{simulate} --force -o walked.csv"));
-        let recorded = |line: &str| {
-            let mut cells: Vec<&str> = line.split(',').collect();
+        let recorded = with_cells(&visit.read("walked.csv"), |cells| {
             let node = cells.get(3).and_then(|cell| cell.parse::<usize>().ok());
             if let Some(node) = node.filter(|node| *node > 0) {
-                cells[4] = ["z", "x", "y"][node % 3];
+                cells[4] = ["z", "x", "y"][node % 3].to_string();
             }
-            cells.join(",") + "\n"
-        };
-        let readings: String = visit.read("walked.csv").lines().map(recorded).collect();
-        let after = judged_with(&visit, &readings);
+            true
+        });
+        let after = judged_with(&visit, &recorded);
         assert_eq!(kinds(&after), ["wrong order"], "{order}: {after:#}");
         let [a, b, c] = [0, 1, 2].map(|step| &order[step..=step]);
         let went = format!("the steps of the first measurement went {a}, {b}, {c}");
@@ -202,7 +199,14 @@ fn steps_in_another_order_are_told_from_exchanged_names_after_the_second_measure
 fn names_exchanged_while_tables_were_active_are_named() {
     let visit = as_found();
     visit.yes("generate job.toml -o old");
-    visit.put("errors.csv", worn_out());
+    // Years later every error is larger by half.
+    let worn_out = with_cells(&truth(), |cells| {
+        let of_errors = cells.iter_mut().skip(2);
+        let worn = |um: f64| format!("{:.9}", 1.5 * um);
+        of_errors.for_each(|cell| *cell = cell.parse().map_or(cell.clone(), worn));
+        true
+    });
+    visit.put("errors.csv", worn_out);
     measured(&visit, "--tables old", 5, ["readings.csv", "linear.csv"]);
     visit.edit("job.toml", "\"none\"", "\"old\"");
     let right = visit.read("readings.csv");
@@ -211,16 +215,6 @@ fn names_exchanged_while_tables_were_active_are_named() {
     is_named(&after, "names exchanged", "NPP and PNP");
     let after = judged_with(&visit, &right);
     assert!(kinds(&after).is_empty(), "{after:#}");
-}
-
-/// The golden machine years later: every error is larger by half.
-fn worn_out() -> String {
-    let worn = |(index, cell): (usize, &str)| match cell.parse::<f64>() {
-        Ok(um) if index >= 2 => format!("{:.9}", 1.5 * um),
-        _ => cell.to_string(),
-    };
-    let cells = |line: &str| line.split(',').enumerate().map(worn).collect::<Vec<_>>();
-    truth().lines().map(|line| cells(line).join(",") + "\n").collect()
 }
 
 /// What they were predicted from does not pass for what was measured; a small box leaves it undecided.
@@ -347,12 +341,10 @@ x,0,0,0,0\nx,400,5,-8,12\ny,0,0,0,0\ny,300,4,3,-6\n";
 fn predicted_readings_of_a_job_are_those_that_the_job_takes_apart() {
     let visit = Visit::of("start/readings");
     let job = visit.read("job.toml");
-    let linear_z = "[[measurement.step_diagonal.linear]]\naxis = \"z\"";
-    let (head, rest) = job.split_once(linear_z).unwrap();
-    let (_, rest) = rest.split_once("[compensation]").unwrap();
+    let job = without(&job, "[[measurement.step_diagonal.linear]]\naxis = \"z\"");
     let readings = "readings = \"readings.csv\"";
     visit
-        .put("job.toml", format!("{head}{MATERIAL}\n[compensation]{rest}"))
+        .put("job.toml", replaced(&job, "[compensation]", &format!("{MATERIAL}\n[compensation]")))
         .edit("job.toml", "name = \"VMC 400\"", "name = \"VMC 400\"\nchain = \"wXYZt\"")
         .edit("job.toml", "order = \"XYZ\"", "laser_sign = \"-\"\norder = \"XYZ\"")
         .edit("job.toml", readings, &format!("{readings}\nangles = \"angles.csv\""))
