@@ -1,7 +1,9 @@
 //! What the figures of `nonius assess` hold for, what they rest on, what was not measured.
 
 use super::assess::document;
-use crate::support::{DIAGONALS, Ran, Visit, labelled, number, page, replaced, short_or};
+use crate::support::{
+    DIAGONALS, Ran, Visit, labelled, number, page, replaced, short_or, with_cells,
+};
 use serde_json::{Value, json};
 
 /// A command that ends with 0, with its explanations.
@@ -67,21 +69,20 @@ fn a_turned_datum_leaves_what_the_page_says_to_stay() {
     let visit = Visit::of("start/errors");
     let one = document(&visit, "assess job.toml");
     // e + ω × p, ω = (30, -20, 40) µrad.
-    let turned = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        let [axis @ ("x" | "y" | "z"), at, ex, ey, ez] = cells[..] else {
-            return format!("{line}\n");
-        };
-        let [at, x, y, z] = [at, ex, ey, ez].map(|cell| cell.parse::<f64>().unwrap());
-        let m = at / 1000.0;
-        let added = match axis {
+    let turned = with_cells(&visit.read("errors.csv"), |cells| {
+        let m = cells.get(1).and_then(|mm| mm.parse::<f64>().ok()).unwrap_or_default() / 1000.0;
+        let added = match cells[0].as_str() {
             "x" => [0.0, 40.0 * m, 20.0 * m],
             "y" => [-40.0 * m, 0.0, 30.0 * m],
-            _ => [-20.0 * m, -30.0 * m, 0.0],
+            "z" => [-20.0 * m, -30.0 * m, 0.0],
+            _ => return true,
         };
-        format!("{axis},{at},{},{},{}\n", x + added[0], y + added[1], z + added[2])
-    };
-    visit.put("errors.csv", visit.read("errors.csv").lines().map(turned).collect::<String>());
+        for (cell, um) in cells[2..].iter_mut().zip(added) {
+            *cell = (cell.parse::<f64>().unwrap() + um).to_string();
+        }
+        true
+    });
+    visit.put("errors.csv", turned);
     let other = document(&visit, "assess job.toml");
     let both = |key: &str| [&one, &other].map(|found| number(&found["definitions"][key]));
     let change = |key: &str| (both(key)[0] - both(key)[1]).abs();

@@ -52,21 +52,17 @@ fn what_backlash_does_is_taken_over() {
     assert!((after - 14.0).abs() < 1e-3, "{after}");
 }
 
-/// An ini file of a machine with the lines of a kit in it.
-fn ini(lines: &str) -> String {
+#[test]
+fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
+    let visit = kit(NONE, TWO);
+    let lines = visit.read("kit/joints.ini");
     let joint = |n: u32| {
         let section = format!("[JOINT_{n}]\n");
         let own = lines.split(&section).nth(1).and_then(|rest| rest.split('[').next());
         format!("{section}MIN_LIMIT = 0\nHOME_OFFSET = 0\n{}", own.unwrap_or(""))
     };
     let head = "[EMC]\nVERSION = 1.1\n[KINS]\nJOINTS = 2\n[TRAJ]\nLINEAR_UNITS = mm\n";
-    format!("{head}{}{}", joint(0), joint(1))
-}
-
-#[test]
-fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
-    let visit = kit(NONE, TWO);
-    visit.put("out/machine.ini", ini(&visit.read("kit/joints.ini")));
+    visit.put("out/machine.ini", format!("{head}{}{}", joint(0), joint(1)));
     // The lines of the kit beside it say nothing for the machine's own.
     for name in ["joint-0.comp", "joint-1.comp", "joints.ini"] {
         visit.put(&format!("out/{name}"), visit.read(&format!("kit/{name}")));

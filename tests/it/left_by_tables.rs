@@ -1,6 +1,6 @@
 //! What `assess` and `path` say of a machine with tables, against the forecast; where errors and levers count from.
 
-use crate::support::{LAST_DIGIT, Visit, near, number, replaced};
+use crate::support::{G54, LAST_DIGIT, Visit, near, number, replaced};
 use serde_json::Value;
 
 /// A machine of three axes of 0 … 900 mm with an error table; `measurement` = further lines of its job.
@@ -10,8 +10,7 @@ fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
         "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n\
          axes = {{ x = {axis}, y = {axis}, z = {axis} }}\n\
          [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{measurement}\n\
-         [compensation]\n{compensation}\n\
-         [[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n"
+         [compensation]\n{compensation}\n{G54}"
     );
     let visit = Visit::with(page, errors);
     visit.put("p.nc", "G1 X900.\nM30\n");

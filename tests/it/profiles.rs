@@ -74,8 +74,16 @@ fn every_template_renders() {
                 assert!(!others.contains(['\r', '\n']), "{name} mixes line ends");
             }
         }
+        // One form of straightness has points.
+        let is_of_its_form = |file: &EmittedFile| match (&profile.dialect, file.mechanism) {
+            (Dialect::Fanuc(facts), Some(form @ (Mechanism::FourPoint | Mechanism::PerPoint))) => {
+                let of_points = facts.straightness_form.value == StraightnessForm::PerPoint;
+                of_points == (form == Mechanism::PerPoint)
+            }
+            _ => true,
+        };
         for file in &profile.files {
-            let is_meant = file.role != Role::Rollback && is_of_its_form(&profile, file);
+            let is_meant = file.role != Role::Rollback && is_of_its_form(file);
             let is_there = rendered.iter().any(|path| file.is_called(path));
             assert!(is_there || !is_meant, "{}: {} was not rendered", profile.id, file.path);
         }
@@ -123,15 +131,4 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
     assert_eq!((sign.0.value.as_str(), &sign.0.consequence), ("as_correction", &None));
     assert_eq!(sign.0.mechanism, sign.1.mechanism);
     assert_eq!(tables.0, tables.1);
-}
-
-/// Whether a control of this profile takes the file: one form of straightness has points.
-fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
-    let Dialect::Fanuc(facts) = &profile.dialect else { return true };
-    let form = facts.straightness_form.value;
-    match file.mechanism {
-        Some(Mechanism::FourPoint) => form == StraightnessForm::FourPoint,
-        Some(Mechanism::PerPoint) => form == StraightnessForm::PerPoint,
-        _ => true,
-    }
 }

@@ -14,14 +14,9 @@ fn figures_of(kit: &Kit) -> String {
 /// A control itself calls its whole parameter file `CNC-PARA.TXT`, with thousands of others in it.
 #[test]
 fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
-    // Few targets and a point at each: `assess` looks at fewer nodes.
-    let visit = Visit::with_job("nine_errors_900/fanuc-30i.toml");
-    visit.edit("job.toml", "spacing_mm = 30.0", "spacing_mm = 90.0");
-    visit.edit("job.toml", "spacing_mm = 24.0", "spacing_mm = 360.0");
-    let errors = visit.read("errors.csv");
-    let place = |line: &str| line.split(',').nth(1).and_then(|mm| mm.parse::<f64>().ok());
-    let few = errors.lines().filter(|line| place(line).is_none_or(|mm| mm % 90.0 == 0.0));
-    visit.put("errors.csv", few.collect::<Vec<_>>().join("\n"));
+    let visit = Visit::of("start/errors");
+    visit.edit("job.toml", "siemens-840d-sl", "fanuc-30i");
+    visit.edit("job.toml", "# detection_unit_um", "detection_unit_um");
     let kit = Kit::made(visit);
     let of_the_kit = figures_of(&kit);
     for file in ["manifest.json", "SIGN-PITCH.TXT", "SIGN-STRAIGHT.TXT", "checklist.md"] {
