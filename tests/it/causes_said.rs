@@ -10,9 +10,8 @@ const REVERSAL_UM: f64 = 6.0;
 /// A machine with X and Y, its errors and how they are corrected.
 struct Machine {
     controller: &'static str,
-    /// Lines under `[compensation]`.
+    /// A line under `[compensation]`; with one, measured in both directions.
     policy: &'static str,
-    both_ways: bool,
     spacing_mm: f64,
     error_um: fn(Row) -> f64,
     /// Noise of the second measurement.
@@ -46,7 +45,6 @@ impl Row {
 const SIEMENS: Machine = Machine {
     controller: "siemens-840d-sl",
     policy: "",
-    both_ways: false,
     spacing_mm: 30.0,
     error_um: wavy,
     seed: 2,
@@ -76,7 +74,7 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
     let mut random = Random::new(seed);
     let mut noise = || NOISE_UM * ((0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0);
     let axes = HIGH_MM.map(|(axis, high)| (axis, places(machine, high).collect()));
-    let ways: &[&str] = if machine.both_ways { &["+", "-"] } else { &[""] };
+    let ways: &[&str] = if machine.policy.is_empty() { &[""] } else { &["+", "-"] };
     error_rows("ex_um,ey_um,u_ex_um,u_ey_um", &axes, ways, |axis, way, mm| {
         let (along, is_back) = (axis.chars().next().unwrap(), way == "-");
         let [ex, ey] = ['x', 'y'].map(|of| value(Row { along, of, is_back, mm }) + noise());
@@ -137,7 +135,7 @@ fn amounts(decides: &str, what: &str) -> (f64, f64) {
 /// Shown where the parameter acts; one table in both directions is either table.
 #[test]
 fn a_reversal_that_stays_is_a_parameter_or_a_table_that_does_not_act() {
-    let left = |policy| after(&Machine { policy, both_ways: true, ..SIEMENS }, Row::reversal);
+    let left = |policy| after(&Machine { policy, ..SIEMENS }, Row::reversal);
     let found = left("backlash = \"curve-and-parameter\"");
     assert_eq!(found.kinds, ["backlash not"]);
     holds(&found.words[0], &["the backlash parameter is 0"]);

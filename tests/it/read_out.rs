@@ -2,7 +2,7 @@
 //! around them, and much of no concern. What contradicts the job is named, what no file holds is
 //! taken as the job asks and said, and what acts unseen leaves the verdict undecided.
 
-use crate::support::{Ran, UNCORRECTED, Visit, replaced};
+use crate::support::{Ran, UNCORRECTED, Visit, cec, replaced};
 use crate::update::{FANUC_AXES, SIEMENS_AXES, small};
 use std::fs;
 
@@ -92,7 +92,7 @@ impl Control {
             let more = match more.strip_prefix("CEC9(").and_then(|rest| rest.split_once(')')) {
                 Some((axes, rest)) => {
                     let (input, output) = axes.split_once(',').unwrap();
-                    cec(input, output, rest)
+                    cec_9(input, output, rest)
                 }
                 None => more.to_string(),
             };
@@ -256,7 +256,7 @@ fn switches_are_named_by_what_they_do_now() {
     cnc.judge("fail", &[("a.txt", &archive), ("b.txt", off), ("c.txt", on)])
         .says("$MA_ENC_COMP_ENABLE[0,AX1] has several values in the files, so which")
         .omits("the way back");
-    let of_others = cnc.archive(&cec("AX7", "AX2", ""));
+    let of_others = cnc.archive(&cec_9("AX7", "AX2", ""));
     cnc.judge("pass", &[("a.txt", &of_others), ("b.txt", "$SN_CEC_TABLE_ENABLE[9]=0\nM30\n")]);
 }
 
@@ -299,17 +299,17 @@ fn each_axis_of_a_gantry_is_judged_by_its_own_parameter() {
 fn grids_that_no_point_ends_are_read_as_the_control_takes_them() {
     let cnc = siemens("mean");
     let zeros = |input: &str, output: &str, more: &str| {
-        cec(input, output, more).replace("=0.1", "=0").replace("=0.2", "=0")
+        cec_9(input, output, more).replace("=0.1", "=0").replace("=0.2", "=0")
     };
     cnc.is(&zeros("AX7", "AX2", ""), "pass", "ignored");
     let zeros = zeros("AX1", "AX7", "$AN_CEC_INPUT_NCU[9]=1\n$AN_CEC[9,2]=0");
     cnc.is(&replaced(&zeros, "MAX[9]=10", "MAX[9]=85"), "pass", "ignored");
     let unused = replaced(&zeros, "MAX[9]=10", "MAX[9]=-5");
     cnc.is(&unused, "pass", "AN_CEC[9]: zeros without a usable grid, ignored");
-    let open = cec("AX1", "AX2", "$AN_CEC[9,2]=0.4\n");
+    let open = cec_9("AX1", "AX2", "$AN_CEC[9,2]=0.4\n");
     let says = "$AN_CEC[9] behind 10 mm, where MAX lies between two points: the value of point 1 is taken to be held; if the control goes on towards point 2, the correction differs by up to 100.0 µm there";
     cnc.is(&replaced(&open, "MAX[9]=10", "MAX[9]=15"), "fail", says);
-    let steps = cec("AX1", "AX2", "$AN_CEC_STEP[9]=0").replace("STEP[9]=10", "STEP[9]=50");
+    let steps = cec_9("AX1", "AX2", "$AN_CEC_STEP[9]=0").replace("STEP[9]=10", "STEP[9]=50");
     let steps = steps.replace("MAX[9]=10", "MAX[9]=50");
     cnc.is(&steps, "fail", "$AN_CEC_STEP[9] has several values in the files");
 }
@@ -324,10 +324,8 @@ fn a_long_file_of_another_kind_is_refused_at_once() {
 }
 
 /// CEC table 9, and `more` of it.
-fn cec(input: &str, output: &str, more: &str) -> String {
-    format!(
-        "$AN_CEC[9,0]=0.1\n$AN_CEC[9,1]=0.2\n$AN_CEC_INPUT_AXIS[9]=({input})\n$AN_CEC_OUTPUT_AXIS[9]=({output})\n$AN_CEC_STEP[9]=10\n$AN_CEC_MIN[9]=0\n$AN_CEC_MAX[9]=10\n$AN_CEC_DIRECTION[9]=0\n{more}"
-    )
+fn cec_9(input: &str, output: &str, more: &str) -> String {
+    cec(9, [input, output], 10, [0.1, 0.2]) + "$AN_CEC_DIRECTION[9]=0\n" + more
 }
 
 /// An axis that takes the points of another one with all of its parameters is the slave of a gantry.

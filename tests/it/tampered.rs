@@ -4,7 +4,7 @@
 
 mod as_a_control_reads;
 
-use crate::support::{Ran, Visit, replaced, with_cells};
+use crate::support::{Ran, Visit, cec, replaced, with_cells};
 use std::fs;
 
 const EEC: &str = "NONIUS_EEC.MPF";
@@ -329,7 +329,7 @@ fn what_operating_systems_leave_is_passed_over_with_or_without_manifest() {
     visit.put("kit/notes.txt", "called the customer on Monday\n");
     let words = "`notes.txt` was ignored: manifest.json does not list it";
     kit.verify().ends(0).says(words);
-    visit.put("kit/OLD.MPF", "$AN_CEC[7,0]=0.01\n$AN_CEC[7,1]=0.02\n$AN_CEC_INPUT_AXIS[7]=(AX1)\n$AN_CEC_OUTPUT_AXIS[7]=(AX2)\n$AN_CEC_STEP[7]=100\n$AN_CEC_MIN[7]=0\n$AN_CEC_MAX[7]=100\nM30\n");
+    visit.put("kit/OLD.MPF", cec(7, ["AX1", "AX2"], 100, [0.01, 0.02]) + "M30\n");
     let words = "`OLD.MPF` is not listed in manifest.json, and the control could read it";
     kit.verify().ends(1).says(words);
     visit.put("kit/OLD.MPF", "$AN_CEC[7,0]=0.01\nM30\n");

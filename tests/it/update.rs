@@ -10,7 +10,7 @@ mod read_outs;
 mod siemens_control;
 
 use crate::support::{
-    self, Random, UNCORRECTED, checklist, control, error_rows, files_of, generate, holds,
+    self, Random, UNCORRECTED, cec, checklist, control, error_rows, files_of, generate, holds,
     in_parallel, inputs, response, shown, term, um_at, words,
 };
 use nonius::control::control_state::ControlState;

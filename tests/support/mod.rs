@@ -139,6 +139,18 @@ pub(crate) fn five_points(control: &str) -> (String, String) {
     (text(&format!("{control}.toml")), text("errors.csv"))
 }
 
+/// A CEC table of two points from 0 mm on, as a Siemens control writes it, without its switches.
+pub(crate) fn cec(
+    n: u32,
+    [input, output]: [&str; 2],
+    step_mm: u32,
+    [low, high]: [f64; 2],
+) -> String {
+    format!(
+        "$AN_CEC[{n},0]={low}\n$AN_CEC[{n},1]={high}\n$AN_CEC_INPUT_AXIS[{n}]=({input})\n$AN_CEC_OUTPUT_AXIS[{n}]=({output})\n$AN_CEC_STEP[{n}]={step_mm}\n$AN_CEC_MIN[{n}]=0\n$AN_CEC_MAX[{n}]={step_mm}\n"
+    )
+}
+
 /// The files of a kit that have this role.
 pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile> {
     kit.files.iter().filter(|file| file.role == role).cloned().collect()

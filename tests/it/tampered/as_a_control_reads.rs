@@ -63,8 +63,7 @@ fn what_the_job_does_not_own_on_siemens() {
         .says(&format!("{memory}: not written, expected at least 31"));
     kit.no(EEC, swap("M30", "$MA_ENC_COMP_ENABLE[0,AX1]=1\nM30"))
         .says("`NONIUS_EEC.MPF` sets $MA_ENC_COMP_ENABLE[0,AX1] = 1: the job does not write it");
-    let table = "$AN_CEC[40,0]=0\n$AN_CEC[40,1]=0\n$AN_CEC_INPUT_AXIS[40]=(AX1)\n\
-        $AN_CEC_OUTPUT_AXIS[40]=(AX2)\n$AN_CEC_STEP[40]=50\n$AN_CEC_MIN[40]=0\n$AN_CEC_MAX[40]=50\n";
+    let table = cec(40, ["AX1", "AX2"], 50, [0.0; 2]);
     kit.no(CEC, swap("M30", &format!("{table}M30")))
         .says("CEC table 40 (AX2 while AX1 moves): the job does not write it");
     // Table 0 under another number.

@@ -8,18 +8,12 @@ fn at_end(found: &Inputs, name: &str) -> Option<f64> {
     Some(own.measured.curve(Direction::Plus).unwrap().at(Millimetres::new(100.0)).um())
 }
 
-/// A CEC table with 0 at 0 mm and a value at 100 mm.
-fn cec(number: u32, base: &str, output: &str, mm: f64) -> String {
-    format!(
-        "$AN_CEC[{number},0]=0\n$AN_CEC[{number},1]={mm:.6}\n$AN_CEC_INPUT_AXIS[{number}]=({base})\n$AN_CEC_OUTPUT_AXIS[{number}]=({output})\n$AN_CEC_STEP[{number}]=100\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n"
-    )
-}
-
 #[test]
 fn what_acted_is_found_in_a_siemens_archive() {
     let job = siemens(KEEP);
     let archive = |switches: &str| {
-        let cec = cec(3, "AX1", "AX2", 0.005) + "$AN_CEC_STEP[7]=0\n$AN_CEC_INPUT_AXIS[7]=()\n";
+        let cec = cec(3, ["AX1", "AX2"], 100, [0.0, 0.005])
+            + "$AN_CEC_STEP[7]=0\n$AN_CEC_INPUT_AXIS[7]=()\n";
         let (begin, data) =
             ("%_N_NC_TEA_INI\nN1 $MN_OTHER[0]=\"x\"\n", "M17\n%_N_NC_CEC_INI\nCHANDATA(1)\n");
         format!("{begin}{switches}{data}{cec}{}M17\n", lec("0.010"))
@@ -99,7 +93,8 @@ fn a_read_out_with_harmless_switches_is_taken() {
         "$SN_CEC_TABLE_ENABLE[3]=1\n$MN_MM_CEC_MAX_POINTS[3]=0\n",
         "$MA_CEC_ENABLE[AX2]=1\n$SN_CEC_TABLE_ENABLE[3]=0\n",
         "$MA_ENC_COMP_ENABLE[0,AX2]=1\n$MA_MM_ENC_COMP_MAX_POINTS[0,AX2]=0\n",
-        &(cec(0, "AX1", "AX2", 0.010) + "$AN_CEC_DIRECTION[0]=0\n$MA_CEC_MAX_SUM[AX2]=0.010\n"),
+        &(cec(0, ["AX1", "AX2"], 100, [0.0, 0.010])
+            + "$AN_CEC_DIRECTION[0]=0\n$MA_CEC_MAX_SUM[AX2]=0.010\n"),
     ] {
         taken(&job, FULL, &format!("{}{harmless}M17\n", lec("0.004")));
     }
