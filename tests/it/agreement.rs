@@ -13,8 +13,7 @@ const SIGMA_UM: f64 = 0.3;
 /// A machine, and its readings with a mirror that leans and such a noise.
 fn measured(seed: u64, sigma: f64) -> (Machine, Vec<Run>) {
     let mut random = seeded(seed);
-    let box_ = volume([900.0, 720.0, 720.0], 30);
-    let truth = Machine::random(&box_, &mut random).x_primary();
+    let truth = Machine::random(&volume([900.0, 720.0, 720.0], 30), &mut random).x_primary();
     let mut leant = truth.clone();
     leant.lean_randomly(3e-4, &mut random);
     let readings = with_noise(&leant.readings(None), sigma, &mut random);

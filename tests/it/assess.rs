@@ -176,6 +176,5 @@ fn angles_can_be_zeroed_where_the_squareness_was_measured() {
 #[test]
 fn the_page_of_a_small_machine() {
     let options = "--with-tables --window 100,100,50 --histogram 5 --explain";
-    let found = Visit::of("start/errors").yes(&format!("assess job.toml {options}"));
-    insta::assert_snapshot!(found);
+    insta::assert_snapshot!(Visit::of("start/errors").yes(&format!("assess job.toml {options}")));
 }

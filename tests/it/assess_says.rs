@@ -35,8 +35,7 @@ fn the_volume_is_claimed_only_where_no_place_is_worse() {
     let spline = "[compensation]\ncontroller = \"generic\"\ncurve = \"natural-spline\"\n";
     visit.put("spline.toml", cube() + spline);
     let exact = |arguments: &str| {
-        let found = document(&visit, &format!("assess {arguments}"));
-        let d = &found["definitions"];
+        let d = &document(&visit, &format!("assess {arguments}"))["definitions"];
         (number(&d["va_um"]), d["va_exact"].as_bool().unwrap())
     };
     // √3 · 30 at the nodes; the spline reaches more in the middle.

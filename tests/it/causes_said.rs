@@ -315,8 +315,7 @@ fn a_machine_that_became_warmer_by_one_kelvin_is_named() {
         if seed == 13 {
             visit.run("generate job.toml -o kit").answers();
         }
-        let command = format!("simulate machine.toml --noise-um 0.3 --seed {seed} {rest}");
-        visit.run(&command).answers();
+        visit.run(&format!("simulate machine.toml --noise-um 0.3 --seed {seed} {rest}")).answers();
     }
     let found = diagnosis(&visit, "job.toml --tables kit --after after.toml");
     assert_eq!(found.kinds[0], "temperature");

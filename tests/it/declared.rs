@@ -56,8 +56,7 @@ fn values_may_count_the_detection_unit() {
     let counted = replaced(&counted, "[facts]", rule);
     visit.put("norden.toml", &counted).yes("controllers check norden.toml");
     visit.run("generate job.toml -o kit").ends(2).says("has no `detection_unit_um`");
-    let unit = "spacing_mm = 100.0\ndetection_unit_um = 0.5";
-    visit.edit("job.toml", "spacing_mm = 100.0", unit);
+    visit.edit("job.toml", "spacing_mm = 100.0", "spacing_mm = 100.0\ndetection_unit_um = 0.5");
     visit.yes("generate job.toml -q -o kit");
     let rows = |text: &str| text.lines().filter(|line| !line.starts_with('*')).count();
     let body = |text: &str| text.split_once("TABLE").unwrap().1.to_string();
@@ -82,8 +81,7 @@ fn what_was_read_out_is_judged() {
     let ran = visit.run("verify job.toml --tables turned").ends(1);
     ran.says("EYY").says("200.0000 mm");
     visit.put("foreign/READ.TXT", replaced(&text, "\r\nEND", "\r\nWEIGHT 2\r\nEND"));
-    let ran = visit.run("verify job.toml --tables foreign").ends(2);
-    ran.says(NO_PATTERN).says("READ.TXT:9:1");
+    visit.run("verify job.toml --tables foreign").ends(2).says(NO_PATTERN).says("READ.TXT:9:1");
 }
 
 #[test]
@@ -102,8 +100,7 @@ fn a_second_measurement_builds_on_what_was_active() {
     let (visit, old) = with_kit();
     visit.put("active/READ.TXT", &old);
     visit.edit("job.toml", "errors.csv", "second.csv");
-    let active = "= \"active\"\nactive_terms_not_measured = \"keep\"";
-    visit.edit("job.toml", "= \"none\"", active);
+    visit.edit("job.toml", "= \"none\"", "= \"active\"\nactive_terms_not_measured = \"keep\"");
     // What the tables left: 1 µm more at each end of Y.
     visit.put("second.csv", "axis,position_mm,ey_um\ny,-200,1\ny,0,0\ny,200,1\n");
     visit.run("generate job.toml -o second").answers();

@@ -131,8 +131,7 @@ fn working_directory_and_kind_of_path_change_no_byte_of_a_file() {
             let (status, said, files) = make(&mut nonius(), &visit, from, &called, words);
             // Pages name files as they were called, on Windows with `\\`.
             let said = said.replace(&called, "").replace(&called.replace('/', "\\"), "");
-            let found = (status, said, files);
-            expect_same(kind, words, expected, &found);
+            expect_same(kind, words, expected, &(status, said, files));
         }
     }
 }

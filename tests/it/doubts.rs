@@ -290,8 +290,7 @@ fn a_disturbed_reading_reaches_every_output() {
     let csv = visit.read("errors.csv");
     holds(&csv, &["# note: disturbed reading", words, "# doubtful beside that, um: "]);
     for (ran, page) in kits(&visit) {
-        let text = ran.all();
-        holds(text.split_once("verdict: undecided").unwrap().1, &[words]);
+        holds(ran.all().split_once("verdict: undecided").unwrap().1, &[words]);
         holds(&page["notes"].to_string(), &[words]);
     }
     for job in ["job", "nine"] {

@@ -406,8 +406,7 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
         ("path job.toml part.nc --force", "put.csv"),
     ] {
         let onto = |stick: &Path| {
-            let ran = visit.run(&format!("{words} -o {}/{output}", stick.display()));
-            (ran, tree(stick))
+            (visit.run(&format!("{words} -o {}/{output}", stick.display())), tree(stick))
         };
         let (new, after) = onto(Stick::new("size=8m").unwrap().0.path());
         let new = new.answers();

@@ -47,8 +47,7 @@ fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
 
 /// What each sign proof has to show, as the manifest has it.
 fn proofs_of(kit: &Kit) -> Vec<Value> {
-    let proofs = kit.manifest.sign_proofs.iter();
-    proofs.map(|proof| serde_json::to_value(proof).unwrap()).collect()
+    kit.manifest.sign_proofs.iter().map(|proof| serde_json::to_value(proof).unwrap()).collect()
 }
 
 fn term_of(proof: &Value) -> ErrorTerm {
@@ -176,8 +175,7 @@ fn sign_proofs_are_legal_and_move_nothing_else() {
         Dialect::Declared(facts) => facts.factors.is_none() && facts.typed.is_none(),
         _ => true,
     };
-    let ids = builtin::ids().into_iter().filter(has_bump);
-    in_parallel(ids, ensure_contract);
+    in_parallel(builtin::ids().into_iter().filter(has_bump), ensure_contract);
 }
 
 /// Last year's kit lies in the control: half the errors, and on Siemens its switches are on.
@@ -226,8 +224,7 @@ fn an_incomplete_read_out_gives_no_rollback() {
     cec.nth(3).unwrap().values[2] = None;
     let kit = shown(kit::generate(&inputs));
     assert!(files_of(&kit, Role::Rollback).is_empty());
-    let lacking = "do not hold all that this kit overwrites; missing: CEC table 3\n";
-    holds(checklist(&kit), &[lacking]);
+    holds(checklist(&kit), &["do not hold all that this kit overwrites; missing: CEC table 3\n"]);
 }
 
 #[test]
@@ -298,8 +295,7 @@ fn a_checklist_says_what_a_parameter_does_not_move_what_was_not_measured_and_wha
 #[test]
 fn the_limit_of_the_sum_lets_the_bump_through() {
     let kit = kit_of_x("siemens-840d-sl", "x,200,1,1,1\nx,400,1,1,1\n", "");
-    let list = &kit.compiled.preconditions;
-    let found = list.iter().find(|p| p.what.contains("MD32720")).unwrap();
+    let found = &kit.compiled.preconditions.iter().find(|p| p.what.contains("MD32720")).unwrap();
     assert_eq!(found.value, "at least 0.020 mm", "{}", found.why);
     holds(&found.why, &["up to 0.001 mm"]);
 }

@@ -23,8 +23,7 @@ fn told(visit: &Visit, command: &str) -> Ran {
     let output = program.output().expect("the program starts");
     let text = [&output.stdout[..], &output.stderr].concat();
     let text = String::from_utf8(text).expect("text");
-    let found = text.chars().find(|c| is_unseen(*c));
-    assert_eq!(found, None, "{command}\n{}", text.escape_debug());
+    assert_eq!(text.chars().find(|c| is_unseen(*c)), None, "{command}\n{}", text.escape_debug());
     Ran::of(command, &output)
 }
 
@@ -61,8 +60,7 @@ fn of_comments_in_an_error_table() {
     visit.put("errors.csv", format!("# doubt: {FOREIGN}\n# simulated: {FOREIGN}\n{table}"));
     told(&visit, "generate job.toml -o kit").says("owned"); // the doubt is told
     for (name, text) in visit.texts().iter().filter(|(name, _)| name.starts_with("kit/")) {
-        let found = text.chars().find(|c| is_unseen(*c) && *c != '\r');
-        assert_eq!(found, None, "{name}");
+        assert_eq!(text.chars().find(|c| is_unseen(*c) && *c != '\r'), None, "{name}");
     }
     told(&visit, "assess errors.csv");
     told(&visit, "simulate job.toml --errors -o -");
@@ -121,8 +119,7 @@ fn no_profile_names_a_file_that_a_laptop_or_shell_takes_for_something_else() {
     visit.edit("job.toml", "siemens-840d-sl", "./shop.toml");
     for name in ["CON", "nul.csv", "Com1.MPF", "LPT9", "-rf", "A.", "..", "a/b", "a:b", "a b"] {
         let file = "[[files]]\nrole = \"table\"\ntemplate = \"generic.csv.tera\"\n";
-        let named = own_profile("generic", &format!("{file}path = \"{name}\"\n"));
-        visit.put("shop.toml", named);
+        visit.put("shop.toml", own_profile("generic", &format!("{file}path = \"{name}\"\n")));
         told(&visit, "generate job.toml -o kit").ends(2).says("is no file name");
     }
 }

@@ -39,16 +39,14 @@ pub(super) fn run(
 
 #[track_caller]
 fn table(name: &str, file: impl AsRef<[u8]>, stated: &Stated) -> String {
-    let imported = run(name, file, stated, None).unwrap_or_else(|p| panic!("{p}"));
-    let text = write(&imported.draft);
+    let text = write(&run(name, file, stated, None).unwrap_or_else(|p| panic!("{p}")).draft);
     error_table(&text);
     text
 }
 
 /// Rows without comment lines.
 fn rows(table: &str) -> String {
-    let rows = table.lines().filter(|line| !line.starts_with('#'));
-    rows.collect::<Vec<_>>().join("\n")
+    table.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n")
 }
 
 #[track_caller]
@@ -365,8 +363,7 @@ fn the_expansion_of_the_material_is_said_where_it_counts() {
     let at = |temperatures: &str| rtl("20.30 20.40 20.35", temperatures);
     let notes = |corrected: MaterialCorrected, file: &str| {
         let stated = Stated { material_corrected: Some(corrected), ..of_rtl() };
-        let found = run(RTL, file, &stated, None).unwrap().findings;
-        words(&of_severity(&found, Severity::Note))
+        words(&of_severity(&run(RTL, file, &stated, None).unwrap().findings, Severity::Note))
     };
     let warm = at("35.00 35.00 35.00");
     let reversal = notes(MaterialCorrected::Yes, &warm);

@@ -74,8 +74,7 @@ fn the_volume_is_left_without_what_the_angles_did() {
 fn an_angle_of_the_tables_bends_at_its_own_places() {
     let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,0\nx,100,0,0,0,30\nx,200,0,0,0,-10\n\
         y,0,0,0,0,\ny,150,0,0,0,\ny,300,0,0,0,\nz,-200,0,0,0,\nz,-100,0,0,0,\nz,0,0,0,0,\n";
-    let rest = "offsets_mm = { x = 0.0, y = 0.0, z = 0.0 }";
-    let visit = kit(OFFSETS, rest);
+    let visit = kit(OFFSETS, "offsets_mm = { x = 0.0, y = 0.0, z = 0.0 }");
     visit.put("errors.csv", errors).edit("job.toml", "x.spacing_mm = 100", "x.spacing_mm = 80");
     let left = visit.json("assess job.toml --with-tables")["after"]["definitions"].clone();
     assert_eq!((number(&left["va_um"]), left["va_exact"].as_bool()), (1.8, Some(true)));

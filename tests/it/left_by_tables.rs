@@ -76,8 +76,7 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
 /// A control that steps: 10 µm of table on 90 mm, half way between two nodes the whole step.
 #[test]
 fn a_staircase_is_a_staircase() {
-    let errors = along_x("x,0,0,0,0\nx,900,100,0,0\n");
-    let visit = visit("", &control("fanuc-30i", ""), &errors);
+    let visit = visit("", &control("fanuc-30i", ""), &along_x("x,0,0,0,0\nx,900,100,0,0\n"));
     visit.put("p.nc", "G1 X38.\nX900.\nM30\n");
     visit.run("generate job.toml -o kit").answers();
     let path = visit.json("path job.toml p.nc --tables kit -o points.csv");
@@ -93,8 +92,7 @@ fn a_staircase_is_a_staircase() {
     near("profile accuracy", number(&path["after"]["profile_accuracy_um"]), 10.0, LAST_DIGIT);
     // The same way back: both values of each jump are met again.
     visit.put("p.nc", "G0 X900.\nG1 X0.\nM30\n");
-    let back = visit.json("path job.toml p.nc --tables kit");
-    for path in [path, back] {
+    for path in [path, visit.json("path job.toml p.nc --tables kit")] {
         let ex = &path["after"]["extremes"]["ex"];
         near("max", number(&ex["max"]["um"]), 5.0, LAST_DIGIT);
         near("min", number(&ex["min"]["um"]), -5.0, LAST_DIGIT);
@@ -234,8 +232,7 @@ fn one_grid_for_before_and_after() {
 #[test]
 fn an_optic_on_the_table_counts_where_it_was_measured() {
     let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,50\nx,900,0,0,0,0\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
-    let optic = "straightness_optic_mm = { x = 0.0 }";
-    let visit = visit(optic, "controller = \"generic\"", errors);
+    let visit = visit("straightness_optic_mm = { x = 0.0 }", "controller = \"generic\"", errors);
     visit.edit("job.toml", "wXYZt", "XwYZt");
     let va = defined(&visit.json("assess job.toml"), "va_um");
     let finer = defined(&visit.json("assess job.toml --grid 21,21,2"), "va_um");

@@ -84,8 +84,7 @@ fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
             format!("$N generate job.toml -o {kit} && $N simulate job.toml --errors -o {kit}.csv");
         visit.shell(&format!("umask {mask:o}; {write}")).ends(0);
         for (name, mode) in [("", 0o777), ("/manifest.json", 0o666), (".csv", 0o666)] {
-            let found = visit.mode(&format!("{kit}{name}")) & 0o777;
-            assert_eq!(found, mode & !mask, "{kit}{name}");
+            assert_eq!(visit.mode(&format!("{kit}{name}")) & 0o777, mode & !mask, "{kit}{name}");
         }
     }
 }
@@ -121,8 +120,7 @@ fn started(visit: &Visit, first: &str) -> Child {
 
 /// Sends a signal, and waits for the end.
 fn ended_by(mut child: Child, signal: &str) -> Option<i32> {
-    let own = child.id().to_string();
-    assert!(succeeds(Command::new("kill").args([format!("-{signal}"), own])));
+    assert!(succeeds(Command::new("kill").args([format!("-{signal}"), child.id().to_string()])));
     child.wait().expect("it ends").code()
 }
 

@@ -35,8 +35,7 @@ fn twenty(visit: &Visit, words: &str) -> usize {
             other => panic!("{other:?}: {}", ran.err),
         }
     }
-    let files = visit.files();
-    assert_eq!(files.keys().find(|name| name.contains(".partial-")), None);
+    assert_eq!(visit.files().keys().find(|name| name.contains(".partial-")), None);
     wrote
 }
 

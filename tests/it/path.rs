@@ -34,8 +34,7 @@ fn the_page_says_what_was_calculated_by_hand() {
 /// A byte order mark and CR LF are no part of the program.
 #[test]
 fn every_sample_is_a_row() {
-    let program = "\u{feff}G54 G1 X10. Y0\r\nG99 G81 X10. Z10. R20.\r\n";
-    let visit = visit("sample_mm = 5.0", program);
+    let visit = visit("sample_mm = 5.0", "\u{feff}G54 G1 X10. Y0\r\nG99 G81 X10. Z10. R20.\r\n");
     visit.yes("path job.toml part.nc -o points.csv");
     let expected = "line,s_mm,x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,e_um,tangent_um,normal_um,held,hole
 1,0.0000,0.0000,0.0000,0.0000,0.000000,0.000000,0.000000,0.000000,0.000000,0.000000,no,

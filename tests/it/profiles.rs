@@ -70,8 +70,7 @@ fn every_template_renders() {
                 assert!(!text.contains("{{") && !text.contains("{%"), "{name}: {text}");
                 let end = profile.line_end.value.text();
                 assert!(text.ends_with(end), "{name} does not end with a line end");
-                let others = text.replace(end, "");
-                assert!(!others.contains(['\r', '\n']), "{name} mixes line ends");
+                assert!(!text.replace(end, "").contains(['\r', '\n']), "{name} mixes line ends");
             }
         }
         // One form of straightness has points.

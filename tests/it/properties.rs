@@ -215,8 +215,7 @@ proptest! {
         let (steps, mins, maxs) = (of("STEP"), of("MIN"), of("MAX"));
         prop_assert_eq!(steps.len(), points.len());
         for (((step, min), max), points) in steps.iter().zip(&mins).zip(&maxs).zip(&points) {
-            let sections = i64::try_from(points - 1).unwrap();
-            prop_assert_eq!(step * sections, max - min);
+            prop_assert_eq!(step * i64::try_from(points - 1).unwrap(), max - min);
         }
     }
 

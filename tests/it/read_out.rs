@@ -28,8 +28,7 @@ impl Control {
         let acted = if policy == "mean" { "" } else { "active_backlash_um = { x = 0.0 }" };
         let policy = format!("backlash = \"{policy}\"");
         let job = small(control, &format!("{UNCORRECTED}\n{acted}"), &policy, axes);
-        let job = job + "[acceptance]\nmax_deviation_um = 100\n";
-        Control(Visit::with(job, ERRORS).with_kit())
+        Control(Visit::with(job + "[acceptance]\nmax_deviation_um = 100\n", ERRORS).with_kit())
     }
 
     /// The tables as the control writes them, with `more` before them.
@@ -54,10 +53,7 @@ impl Control {
         let ran = self.0.run(&format!("verify job.toml --tables {tables} {plot}"));
         match verdict {
             "refused" => ran.ends(2).omits(" (asked"),
-            _ => {
-                let ran = ran.ends(i32::from(verdict != "pass"));
-                ran.says(&format!("verdict: {verdict} (asked"))
-            }
+            _ => ran.ends(i32::from(verdict != "pass")).says(&format!("verdict: {verdict} (asked")),
         }
     }
 
@@ -124,8 +120,7 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
 fn a_table_that_multiplies_is_not_emulated_and_judged_all_the_same() {
     let cnc = siemens("mean");
     let by = |number: &str| format!("$AN_CEC_MULT_BY_TABLE[0]={number}");
-    let archive = replaced(&cnc.archive(""), &by("0"), &by("2"));
-    cnc.judge("fail", &[("all.txt", &archive)])
+    cnc.judge("fail", &[("all.txt", &replaced(&cnc.archive(""), &by("0"), &by("2")))])
         .says("is multiplied by $AN_CEC[1], which no file holds");
 }
 
@@ -366,8 +361,7 @@ fn part_programs_beside_active_data_are_no_state() {
     }
     cnc.judge("fail", &[("ALL.INI", &old), ("NEW.MPF", &bare)]);
     // Cut before the switch: what goes on behind the end word is not complete.
-    let cut = format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n");
-    judge("refused", &cut);
+    judge("refused", &format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n"));
 }
 
 /// Comments and messages of a control may be in one byte for each character.
@@ -379,8 +373,7 @@ fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
     cnc.0.put("out/all.txt", bytes);
     cnc.verify("out", "pass");
     // An editor may have put its mark before the header of a program.
-    let program = format!("\u{feff}%_N_NEW_MPF\n{}", cnc.archive(""));
-    cnc.judge("undecided", &[("all.txt", &program)]);
+    cnc.judge("undecided", &[("all.txt", &format!("\u{feff}%_N_NEW_MPF\n{}", cnc.archive("")))]);
 }
 
 #[test]

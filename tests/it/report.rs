@@ -37,12 +37,10 @@ fn check_documents(page: &str, documents: &[(&str, Value)], least: usize) {
     for (number, command, at, shown) in figures(page) {
         let found = documents.iter().find(|(name, _)| *name == command);
         let (_, document) = found.unwrap_or_else(|| panic!("{command} is no command"));
-        let value = document.pointer(at).and_then(Value::as_f64);
-        assert_eq!(value, Some(number), "{command} {at}");
+        assert_eq!(document.pointer(at).and_then(Value::as_f64), Some(number), "{command} {at}");
         let shown = shown.replace('\u{2212}', "-").replace(',', ".");
         let decimals = shown.split_once('.').map_or(0, |(_, after)| after.len());
-        let digits = u32::try_from(decimals).unwrap();
-        let half = 0.5 / nonius::quantity::power_of_ten(digits);
+        let half = 0.5 / nonius::quantity::power_of_ten(u32::try_from(decimals).unwrap());
         let off = (shown.parse::<f64>().unwrap() - number).abs();
         assert!(off <= half * 1.001, "{command} {at}: {shown} for {number}");
     }
@@ -51,8 +49,7 @@ fn check_documents(page: &str, documents: &[(&str, Value)], least: usize) {
 fn items(page: &str, part: &str) -> Vec<String> {
     let (_, rest) = page.split_once(&format!("<section id=\"{part}\"")).unwrap();
     let (part, _) = rest.split_once("</section>").unwrap();
-    let items = part.split("<li>").skip(1);
-    items.map(|item| item.split("</li>").next().unwrap().to_string()).collect()
+    part.split("<li>").skip(1).map(|item| item.split("</li>").next().unwrap().to_string()).collect()
 }
 
 /// Largest |value − value at the reference| of a column, µm, by hand.
@@ -438,8 +435,7 @@ fn a_template_and_texts_of_ones_own() {
     assert!(own.ends_with(": PASS\n"), "{own}");
     let english = repository_page("templates/report/en.toml");
     visit.put("cs.toml", replaced(&english, "\"PASS\"", "\"VYHOVUJE\""));
-    let own = page(&visit, "job.toml --language cs.toml");
-    holds(&own, &["VYHOVUJE", "<html lang=\"cs\">"]);
+    holds(&page(&visit, "job.toml --language cs.toml"), &["VYHOVUJE", "<html lang=\"cs\">"]);
     visit.put("short.toml", "title = \"x\"\n");
     visit.put("long.toml", format!("{english}\nother = \"x\"\n"));
     for (texts, words) in [("short.toml", "lacks"), ("long.toml", "unknown keys: other")] {

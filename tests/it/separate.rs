@@ -357,8 +357,7 @@ fn angles_of_a_job_are_taken_off_the_readings() {
     let truth = visit.read("truth.csv");
     let mut compared = 0;
     for (axis, name) in [("x,", "X"), ("y,", "Y"), ("z,", "Z")] {
-        let rows = truth.lines().filter(|line| line.starts_with(axis));
-        for (index, row) in rows.enumerate() {
+        for (index, row) in truth.lines().filter(|line| line.starts_with(axis)).enumerate() {
             let cells = row.split(',').skip(2).map_while(|cell| cell.parse().ok());
             for (of, wanted) in ["X", "Y", "Z"].iter().zip(cells) {
                 near(&page["errors"][format!("E{of}{name}")]["deviation_um"][index], wanted, 6e-4);
@@ -429,8 +428,7 @@ fn a_stated_bound_of_the_angles_widens_curves_and_squareness() {
 fn what_is_not_stated_stands_in_the_table_and_leaves_the_verdict_undecided() {
     let made = |keys: &str| {
         let visit = case_with("case_b_setup", &format!("{NOISE}{keys}\n"));
-        let ran = visit.run("separate job.toml --trials 0 -o e.csv");
-        (ran, Remarks::read(&visit.read("e.csv")))
+        (visit.run("separate job.toml --trials 0 -o e.csv"), Remarks::read(&visit.read("e.csv")))
     };
     let (ran, remarks) = made("");
     ran.says("not stated: angle_urad, setup_ppm, u_um_per_m;");

@@ -23,8 +23,7 @@ fn separated(case: &str) -> (Separation, Value) {
     };
     let mut campaign = campaign(&measurement, measurement.linear.iter().map(line).collect());
     campaign.stated = read_job(&text("job.toml")).measurement.uncertainty;
-    let expected = serde_json::from_str(&text("expected.json")).unwrap();
-    (separate(&campaign, &readings.runs), expected)
+    (separate(&campaign, &readings.runs), serde_json::from_str(&text("expected.json")).unwrap())
 }
 
 fn all_curves_are_close(separation: &Separation, expected: &Value, tolerance: f64) {
@@ -99,8 +98,7 @@ fn case_d_is_resolved_by_the_true_direction_of_motion() {
     let (separation, expected) = separated("case_d_bidirectional");
     for (name, wanted) in expected["direction_resolved_end_um"].as_object().unwrap() {
         let (term, sign) = name.split_at(3);
-        let direction = Direction::from_symbol(sign).unwrap();
-        let curves = separation.errors.directed(direction).unwrap();
+        let curves = separation.errors.directed(Direction::from_symbol(sign).unwrap()).unwrap();
         let curve = curves[ErrorTerm::from_name(term).unwrap()].as_ref().unwrap();
         let um = &curve.deviation_um;
         close(um.last().unwrap() - um.first().unwrap(), number(wanted), FILE_DIGITS_UM, name);

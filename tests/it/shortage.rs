@@ -13,8 +13,7 @@ use nonius::write::plan::{PlannedTable, Task, plan};
 pub(super) fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
     let keys = format!("spacing_mm = {spacing:?}\ndetection_unit_um = 1.0");
     let axes = ["x", "y", "z"].map(|axis| (axis, [0.0, 100.0], reference, keys.clone()));
-    let compensation = format!("controller = \"{controller}\"\n{more}");
-    support::job_of(support::UNCORRECTED, &compensation, axes)
+    support::job_of(support::UNCORRECTED, &format!("controller = \"{controller}\"\n{more}"), axes)
 }
 
 /// What is planned is what a kit holds: four whole kits of each control show it.
@@ -115,8 +114,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
             continue;
         }
         assert_eq!(directed("EZZ"), [true, true], "{id}");
-        let backlash = kit.plan.backlash_um.x;
-        assert_eq!(backlash.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
+        assert_eq!(kit.plan.backlash_um.x.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
         if support::replaces_backlash(&profile) {
             continue; // its tables stand in place of the parameter
         }

@@ -91,8 +91,7 @@ const CONTROLS: [&str; 3] = ["generic", "siemens-840d-sl", "fanuc-30i"];
 fn no_command_prints_or_writes_one() {
     let visit = inputs();
     let run = |command: &str| {
-        let ran = visit.run(command).answers().omits("\u{fffd}");
-        let told = ran.all();
+        let told = visit.run(command).answers().omits("\u{fffd}").all();
         let found = signed_zeros(&told);
         assert!(found.is_empty(), "{command}: {found:#?}");
     };

@@ -14,8 +14,7 @@ fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {
     }
     let axes = ["x", "y", "z"].into_iter().zip(reference);
     let axes = axes.map(|(axis, mm)| (axis, [0.0, 200.0], mm, "spacing_mm = 20".to_string()));
-    let compensation = "controller = \"klipper-skew\"";
-    let job = support::job_of(support::UNCORRECTED, compensation, axes)
+    let job = support::job_of(support::UNCORRECTED, "controller = \"klipper-skew\"", axes)
         + "[limits]\nmax_slope_um_per_mm = 20\nmax_correction_um = 5000\n[acceptance]\nmax_deviation_um = 50\n";
     (job, errors)
 }
@@ -123,6 +122,5 @@ fn files_are_judged_and_old_factors_are_added() {
     visit.put("out/printer.cfg", &saved);
     visit.edit("job.toml", "\"none\"", "\"out\"\nactive_terms_not_measured = \"keep\"");
     visit.yes("generate job.toml -o new");
-    let new = visit.read("new/nonius-skew.cfg");
-    holds(&new, &["xy_skew = 0.000200000", "yz_skew = 0.000100000"]);
+    holds(&visit.read("new/nonius-skew.cfg"), &["xy_skew = 0.000200000", "yz_skew = 0.000100000"]);
 }

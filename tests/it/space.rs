@@ -101,8 +101,7 @@ fn volumetric_accuracy_of_machine_h() {
     for size in [[13, 9, 7], [21, 21, 21], [25, 17, 13], [41, 41, 41], [101, 101, 101]] {
         let found = diameter(&machine_h(size));
         close(found.um, 1149.980851990, 5e-10);
-        let corners = [[0, size[1] - 1, 0], [size[0] - 1, 0, size[2] - 1]];
-        assert_eq!(found.nodes, corners, "{size:?}");
+        assert_eq!(found.nodes, [[0, size[1] - 1, 0], [size[0] - 1, 0, size[2] - 1]], "{size:?}");
     }
     agrees(&machine_h([13, 9, 7]), "machine H");
     // Figure 2: x = 9 m, y = 3.5 m are nodes; z = 1.35 m is one of 41 steps of 0.05 m.
@@ -205,8 +204,7 @@ fn random_machines_against_all_pairs() {
         let room = 1.0 + 1e-12;
         let box_um = ranges.iter().map(|r| r * r).sum::<f64>().sqrt();
         assert!(ranges.iter().all(|r| *r <= found.um * room) && found.um <= box_um * room);
-        let tolerance = Tolerance { angular: 0.1, magnitude: 0.9 };
-        let grouped = grouping(&vectors, tolerance).longest;
+        let grouped = grouping(&vectors, Tolerance { angular: 0.1, magnitude: 0.9 }).longest;
         assert!(grouped.is_none_or(|grouped| grouped.um() <= found.um));
     }
 }
@@ -245,8 +243,7 @@ fn windows_of_random_machines_against_all_pairs() {
 /// Nodes of one axis that does not turn, from a function of the place 0…1.
 fn axis(count: usize, shift: impl Fn(f64) -> Vector) -> Vec<AxisNode> {
     let at = (0..count).map(|n| n as f64 / (count.max(2) - 1) as f64);
-    let node = |t| AxisNode { translation_um: shift(t), rotation_urad: [0.0; 3], arm_m: t };
-    at.map(node).collect()
+    at.map(|t| AxisNode { translation_um: shift(t), rotation_urad: [0.0; 3], arm_m: t }).collect()
 }
 
 #[test]

@@ -45,8 +45,7 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
         let text = fs::read_to_string(data.join(format!("iso230_2_{}.csv", cells[0]))).unwrap();
-        let stated = Stated { unit: Some(LengthUnit::Mm), values: None };
-        let runs = read(&text, stated).unwrap();
+        let runs = read(&text, Stated { unit: Some(LengthUnit::Mm), values: None }).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
         let mm: f64 = cells[2].parse().unwrap();
         assert!((um / 1000.0 - mm).abs() <= half_a_digit(cells[2]), "{line}: got {um} µm");
@@ -197,8 +196,7 @@ fn conditions_are_judged_by_length_and_targets_in_a_heap_are_found() {
     holds(&iso_230_2::label(&conditions(&runs)), &["5 runs up, 5 down"]);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::LongAxis.into());
-    let heap = flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5);
-    let words = Condition::missed(&conditions(&heap));
+    let words = Condition::missed(&conditions(&flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5)));
     assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
 }
 
@@ -218,10 +216,8 @@ fn lengths_are_judged_without_the_dust_of_binary_fractions() {
 #[test]
 fn a_stated_travel_is_judged_in_place_of_the_targets() {
     let runs = flat(&UNEVEN, 5);
-    let missed = |mm| {
-        let travel = Travel::of(&runs, Some(mm)).unwrap();
-        Condition::missed(&iso_230_2::conditions(&runs, travel))
-    };
+    let missed =
+        |mm| Condition::missed(&iso_230_2::conditions(&runs, Travel::of(&runs, Some(mm)).unwrap()));
     assert!(missed(450.0).is_empty());
     assert_eq!(missed(1000.0).len(), 1, "600 mm without a target");
     assert_eq!(missed(1200.0)[0], "5 targets on 1200 mm of travel");
@@ -304,8 +300,7 @@ fn all_figures(runs: &Runs) -> Vec<f64> {
     let triples = [axis.a, axis.e, axis.r].map(|of| [of.up_um, of.down_um, of.both_um]);
     let others = [axis.m_um, axis.b_um, axis.b_mean_um, vdi.p_um, vdi.p_s_um];
     let others = others.into_iter().chain([Some(vdi.p_a_um), Some(vdi.u_um)]);
-    let all = triples.into_iter().flatten().chain(others);
-    all.map(|figure| figure.unwrap()).collect()
+    triples.into_iter().flatten().chain(others).map(|figure| figure.unwrap()).collect()
 }
 
 fn same(a: &[f64], b: &[f64]) -> bool {

@@ -108,8 +108,7 @@ fn the_way_of_the_targets_turns_directions_and_deviations() {
     near(&first["target_mm"], -number(&last["target_mm"]), 1e-3);
     near(&first["mean_down_um"], -number(&last["mean_up_um"]), 1e-3);
     near(&first["B_um"], number(&last["B_um"]), 1e-3);
-    let turned = of_rtl("as-correction", "+");
-    near(&turned["iso_230_2"]["B_mean_um"], -1.55, 1e-3);
+    near(&of_rtl("as-correction", "+")["iso_230_2"]["B_mean_um"], -1.55, 1e-3);
 }
 
 const X_AXIS: &str = "standards/x_axis.csv";

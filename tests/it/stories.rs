@@ -21,8 +21,7 @@ fn kit_in(visit: &Visit) -> Tree {
 }
 
 fn kit_of(job: &str, table: &str) -> Tree {
-    let visit = Visit::with(job, table).with_kit();
-    kit_in(&visit)
+    kit_in(&Visit::with(job, table).with_kit())
 }
 
 #[test]

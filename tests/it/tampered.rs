@@ -197,8 +197,7 @@ fn rows(keep: impl Fn(&mut [String]) -> bool) -> impl Fn(&str) -> String {
 /// The figures of some columns changed.
 fn columns(first: usize, count: usize, change: fn(f64) -> f64) -> impl Fn(&str) -> String {
     rows(move |cells| {
-        let cells = cells.iter_mut().skip(first).take(count);
-        for cell in cells.filter(|cell| !cell.is_empty()) {
+        for cell in cells.iter_mut().skip(first).take(count).filter(|cell| !cell.is_empty()) {
             *cell = change(cell.parse().unwrap()).to_string();
         }
         true

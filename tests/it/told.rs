@@ -76,8 +76,7 @@ fn what_no_file_of_an_own_profile_sets_is_noted() {
         format!("[[files]]\nrole = \"table\"\npath = \"{path}\"\ntemplate = \"{template}\"\n")
     };
     let files = file("EEC.MPF", "siemens-eec.mpf.tera") + &file("CEC.MPF", "siemens-cec.mpf.tera");
-    let page = own_profile("siemens-840d-sl", &files);
-    let (visit, ran) = told("own.toml", Some(&page));
+    let (visit, ran) = told("own.toml", Some(&own_profile("siemens-840d-sl", &files)));
     let switches = "note: no file switches the tables on";
     ran.says(&format!("{switches}; see to MD32700"))
         .says("note: no file reserves their memory; see to MD38000");

@@ -22,8 +22,7 @@ fn verdict(visit: &Visit, command: &str, begins: &str, words: &[&str]) -> String
 fn job(axes: &[&str], [high, reference, spacing]: [u32; 3], u: &str, lines: &str) -> String {
     let axis =
         |axis| (axis, [0.0, high.into()], reference.into(), format!("spacing_mm = {spacing}"));
-    let measurement = format!("{UNCORRECTED}\n{u}");
-    job_of(&measurement, "controller = \"generic\"", axes.iter().map(axis))
+    job_of(&format!("{UNCORRECTED}\n{u}"), "controller = \"generic\"", axes.iter().map(axis))
         + "[acceptance]\n"
         + lines
         + "\n"
@@ -247,8 +246,7 @@ const BOTH_WAYS: &str = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,450,2\nx
 
 /// X alone in both directions, 3 µm of reversal.
 fn lost_motion_job(policy: &str) -> String {
-    let job = one_axis("", "max_deviation_um = 1.2");
-    with_policy(&replaced(&job, "= 30\n", "= 450\n"), policy)
+    with_policy(&replaced(&one_axis("", "max_deviation_um = 1.2"), "= 30\n", "= 450\n"), policy)
 }
 
 /// The best comes first, for the diagonals too where they alone are limited; also of readings.
@@ -306,8 +304,7 @@ const BOTH_LIMITS: &str = "max_deviation_um = 1.2\nmax_diagonal_um = 2";
 fn of_policies_for_each_axis_one_is_changed() {
     let own = "{ x = \"mean\", y = \"two-tables\", z = \"mean\" }";
     let visit = Visit::with("", cube_both_ways());
-    let job = cube_both_ways_job(own, "max_deviation_um = 1.2");
-    let offered = offers_hold(&visit, &job, own, 2);
+    let offered = offers_hold(&visit, &cube_both_ways_job(own, "max_deviation_um = 1.2"), own, 2);
     let best = "{ x = \"two-tables\", y = \"two-tables\", z = \"mean\" }";
     assert!(offered.contains(&best.to_string()), "{offered:?}");
     assert!(offered.iter().all(|policy| policy.contains("y = \"two-tables\"")), "{offered:?}");

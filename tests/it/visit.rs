@@ -113,8 +113,7 @@ fn a_whole_visit_passes() {
 
 #[test]
 fn a_visit_without_loaded_tables_fails() {
-    let visit = as_found().with_kit();
-    let after = judged(&visit, "--without-tables");
+    let after = judged(&as_found().with_kit(), "--without-tables");
     assert_eq!(after["verdict"], "fail", "{after:#}");
     let named = kinds(&after);
     assert!(named.contains(&"not active"), "{after:#}");
@@ -274,8 +273,7 @@ fn lost_motion(found: &Value, axis: &str) -> f64 {
 #[test]
 fn a_visit_in_both_directions_takes_the_lost_motion_away() {
     let program = "bidirectional = true\noverrun_mm = 0.0";
-    let policy = "backlash = \"two-tables\"\n";
-    let campaign = [program, "overrun = false", policy];
+    let campaign = [program, "overrun = false", "backlash = \"two-tables\"\n"];
     let visit = prepared(&golden("siemens-840d-sl"), &with_lost_motion(), campaign);
     let lost = lost_motion(&visit.json("separate job.toml --trials 0"), "X");
     assert!((lost - 6.0).abs() < 0.5, "{lost}");
@@ -376,8 +374,7 @@ const PAPER_004: [(&str, f64, f64); 2] = [("siemens_840", 60.0, 6.8), ("jobs_lin
 
 /// Largest max − min along one diagonal, from a key of every diagonal.
 fn largest(document: &Value, key: &str) -> f64 {
-    let diagonals = document["diagonals"].as_object().unwrap();
-    diagonals.values().map(|d| number(&d[key])).fold(0.0, f64::max)
+    document["diagonals"].as_object().unwrap().values().map(|d| number(&d[key])).fold(0.0, f64::max)
 }
 
 /// Figures of the table in docs/accuracy.md, from the top.

@@ -24,8 +24,7 @@ impl Machine {
         let positions =
             PerAxis::from_fn(|axis| (0..nodes).map(|k| positions[axis] * f64::from(k)).collect());
         let values = PerAxis::from_fn(|_| {
-            let row = |_| std::array::from_fn(|_| size * random.between(-1.0, 1.0));
-            (0..nodes).map(row).collect()
+            (0..nodes).map(|_| std::array::from_fn(|_| size * random.between(-1.0, 1.0))).collect()
         });
         Machine { chain, positions, values, measurement: String::new() }
     }
@@ -108,8 +107,7 @@ fn largest_gap(machine: &Machine) -> f64 {
     let mut largest = 0.0_f64;
     for node in (0..27).map(|n| [n / 9, n / 3 % 3, n % 3]) {
         let place = PerAxis::from_fn(|axis| machine.positions[axis][node[axis as usize]]);
-        let gap = model.error_at(place).minus(by_matrices(machine, node));
-        largest = largest.max(gap.length());
+        largest = largest.max(model.error_at(place).minus(by_matrices(machine, node)).length());
     }
     largest
 }
@@ -194,15 +192,13 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
         let nodes = model.own_nodes();
         let first = other.error_at(PerAxis::default()).minus(model.error_at(PerAxis::default()));
         for (place, e) in model.map(&nodes).expect("a map").points() {
-            let constant = other.error_at(place).minus(e);
-            assert!(constant.minus(first).length() < 1e-9, "{chain}");
+            assert!(other.error_at(place).minus(e).minus(first).length() < 1e-9, "{chain}");
         }
         let (a, b) = (figures(&model, &nodes), figures(&other, &nodes));
         assert!((a.va_um - b.va_um).abs() < 1e-9, "{chain}");
         // Stated wrongly, the same data are another machine.
         moved.measurement.clone_from(&machine.measurement);
-        let wrong = figures(&moved.model(), &nodes);
-        assert!((wrong.va_um - a.va_um).abs() > 1e-6, "{chain}");
+        assert!((figures(&moved.model(), &nodes).va_um - a.va_um).abs() > 1e-6, "{chain}");
     }
 }
 

@@ -50,8 +50,7 @@ fn three_files_of_a_laser_become_one_job() {
         job += &format!("[compensation.axes.{a}]\nspacing_mm = 50.0\n");
     }
     visit.put("job.toml", job);
-    let ran = visit.run(&format!("{IMPORT} -o errors.csv"));
-    ran.ends(0).says("errors = [\"x.csv\", \"y.csv\"]");
+    visit.run(&format!("{IMPORT} -o errors.csv")).ends(0).says("errors = [\"x.csv\", \"y.csv\"]");
     visit.yes("generate job.toml -o kit");
     let manifest = visit.document("kit/manifest.json");
     let inputs = manifest["inputs"].as_array().unwrap().iter();

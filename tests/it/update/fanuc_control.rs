@@ -31,8 +31,7 @@ fn dump(memory: &FanucMemory) -> String {
 fn read_from(profile: &Profile, kit: &Kit) -> FanucMemory {
     let mut memory = memory(support::loaded(profile, kit));
     for (axis, number) in [(1, 3626), (1, 3627), (2, 3626), (2, 3627)] {
-        let key = ParameterKey { number, axis: Some(axis) };
-        memory.parameters.entry(key).or_insert(Integer(0));
+        memory.parameters.entry(ParameterKey { number, axis: Some(axis) }).or_insert(Integer(0));
     }
     for point in (0..100).chain(3000..3100) {
         memory.points.entry(point).or_insert(0);
@@ -43,8 +42,7 @@ fn read_from(profile: &Profile, kit: &Kit) -> FanucMemory {
 /// Sets a parameter of both axes.
 fn set(memory: &mut FanucMemory, number: u32, value: ParameterValue) {
     for axis in [1, 2] {
-        let key = ParameterKey { number, axis: Some(axis) };
-        memory.parameters.insert(key, value);
+        memory.parameters.insert(ParameterKey { number, axis: Some(axis) }, value);
     }
 }
 
@@ -102,8 +100,7 @@ fn sets_out_of_use_are_old_values_and_what_was_not_read_out_is_named() {
     set(&mut before, 3627, Integer(0));
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 0, y = 0 }}"));
     let new = shown(kit::generate(&taken(&job, &left, &dump(&before))));
-    let rollback = files_of(&new, Role::Rollback);
-    holds(&String::from_utf8_lossy(&rollback[0].bytes), &["N05711Q1L1P0"]);
+    holds(&String::from_utf8_lossy(&files_of(&new, Role::Rollback)[0].bytes), &["N05711Q1L1P0"]);
     let page = checklist(&new);
     for number in [1851, 1852, 3605] {
         let lacking = format!("{number} of axis 1, 2: not in");

@@ -167,8 +167,7 @@ fn the_way_back_on_siemens_brings_back_what_acted() {
         let acts = |control: &Control| control.acts(&profile, state);
         assert_ne!(acts(&control), acts(&before));
         control.load(of(Role::Disable));
-        let files = files_of(&new, Role::Rollback);
-        control.load(shown(read_apart(&profile, &files, Role::Rollback)));
+        control.load(shown(read_apart(&profile, &files_of(&new, Role::Rollback), Role::Rollback)));
         assert_eq!(control, before);
         assert_eq!(acts(&control), acts(&before));
     }
