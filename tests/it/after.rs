@@ -222,8 +222,7 @@ fn both_ways(policy: &str, lost_um: f64) -> Visit {
 /// Rows of X in both directions; moving - it stands `lost_um` further in +.
 fn directed(ex_um: [f64; 3], lost_um: f64) -> String {
     let columns = "ex_um,ey_um,u_ex_um,u_ey_um";
-    let axes = [("x", vec![0.0, 50.0, 100.0])];
-    error_rows(columns, &axes, &["+", "-"], |_, way, at| {
+    error_rows(columns, &[("x", vec![0.0, 50.0, 100.0])], &["+", "-"], |_, way, at| {
         let lost = if way == "-" { lost_um } else { 0.0 };
         [ex_um[at as usize / 50] + lost, at / 1e4, 0.05, 0.05]
     })

@@ -34,8 +34,7 @@ fn found_with(
 }
 
 fn u_at_end(found: &Separation, name: &str) -> Option<f64> {
-    let evidence = found.errors.mean[term(name)].as_ref().unwrap();
-    evidence.u_um().map(|u| *u.last().unwrap())
+    found.errors.mean[term(name)].as_ref().unwrap().u_um().map(|u| *u.last().unwrap())
 }
 
 fn u_squareness(found: &Separation, plane: Plane) -> f64 {

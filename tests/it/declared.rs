@@ -78,8 +78,7 @@ fn what_was_read_out_is_judged() {
     let (visit, text) = with_kit();
     visit.put("right/READ.TXT", &text).yes("verify job.toml --tables right");
     visit.put("turned/READ.TXT", replaced(&text, "\n5 120\r", "\n5 -120\r"));
-    let ran = visit.run("verify job.toml --tables turned").ends(1);
-    ran.says("EYY").says("200.0000 mm");
+    visit.run("verify job.toml --tables turned").ends(1).says("EYY").says("200.0000 mm");
     visit.put("foreign/READ.TXT", replaced(&text, "\r\nEND", "\r\nWEIGHT 2\r\nEND"));
     visit.run("verify job.toml --tables foreign").ends(2).says(NO_PATTERN).says("READ.TXT:9:1");
 }

@@ -98,8 +98,7 @@ fn language_time_zone_and_environment_change_no_byte() {
                 program.env_clear();
             }
             program.envs(setting.iter().copied());
-            let found = made_by(program, *command);
-            expect_same(&format!("{setting:?}"), command.1, expected, &found);
+            expect_same(&format!("{setting:?}"), command.1, expected, &made_by(program, *command));
         }
     }
 }

@@ -258,9 +258,8 @@ fn no_legal_place_is_said_with_how_to_switch_off_by_hand_and_nothing_is_written(
     let proofs = files_of(&kit, Role::SignProof);
     assert!(proofs.is_empty(), "4.9 µm in one section, and two sections do not fit");
     assert_eq!(unproved(&kit), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
-    let limits = format!("{limits}max_correction_um = 4.0\n");
     for (id, words) in [("fanuc-30i", "13381 for set 1"), ("fanuc-0i-f", "5711 for set 1")] {
-        let kit = kit_of_x(id, "x,400,1,1,1\n", &limits);
+        let kit = kit_of_x(id, "x,400,1,1,1\n", &format!("{limits}max_correction_um = 4.0\n"));
         assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}");
         for words in ["note 3623 of each axis, set it to 0", words, "## Rollback"] {
             holds(checklist(&kit), &[words]);
@@ -438,8 +437,7 @@ fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
         assert!(lines.len() > boxes, "{id}");
         for line in lines.into_iter().map(plain) {
             let line = line.trim_start_matches(|c| "0123456789 .-[]#".contains(c));
-            let found = rest.split_once(line);
-            (_, rest) = found.unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
+            (_, rest) = rest.split_once(line).unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
         }
         let mut of_others = ["<b>", "<script", "http", "src=", "url("].into_iter();
         let found = of_others.find(|word| page.contains(word));

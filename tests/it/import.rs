@@ -306,8 +306,7 @@ fn turned_targets_keep_the_reversal_of_the_machine() {
     };
     let csv = "t;d;dir\n0;-2;+\n100;-2;+\n0;2;-\n100;2;-\n";
     let text = becomes("x.csv", csv, &stated, &rows(&text).replace(",u_ex_um", ""));
-    let words = "# direction: rows with `+` = the axis moving -, as stated\n";
-    assert!(text.contains(words), "{text}");
+    assert!(text.contains("# direction: rows with `+` = the axis moving -, as stated\n"), "{text}");
 }
 
 #[test]

@@ -69,12 +69,11 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
     }
     let verify = "verify job.toml --tables out --explain";
     visit.run(verify).ends(0);
-    let latch = "HOME_LATCH_VEL of [JOINT_0] is -5";
     let ini = "machine.ini";
     for (name, from, to, status, words) in [
         (ini, "COMP_FILE_TYPE = 1", "COMP_FILE_TYPE = 0", 1, "EXX"),
         (ini, "COMP_FILE_TYPE = 1", "", 1, "EXX"),
-        (ini, "MIN_LIMIT = 0", "HOME_LATCH_VEL = -5", 1, latch),
+        (ini, "MIN_LIMIT = 0", "HOME_LATCH_VEL = -5", 1, "HOME_LATCH_VEL of [JOINT_0] is -5"),
         (ini, "= joint-1.comp", "= other/joint-0.comp", 2, "in different folders"),
         (ini, "LINEAR_UNITS = mm", "LINEAR_UNITS = inch", 1, "counts in inch, the job in mm"),
         (ini, "HOME_OFFSET = 0", "HOME_OFFSET = 20", 1, "HOME_OFFSET of [JOINT_0] is 20 mm"),

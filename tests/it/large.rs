@@ -101,7 +101,6 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
     let columns = format!("{}\n1;2\n", ";p".repeat(LARGEST_PAGE / 8));
     let layout = "{% for row in rows %}{{ row }}{% endfor %}\n".repeat(LARGEST_PAGE / 40);
     let report = "report job.toml -o page.html --template page.tera";
-    let returns = "k = 1\r".repeat(40_000);
     let names = lines(MOST_LINES / 2 - 10, |n| format!("[Q{n}]\nVALUE = 1"));
     let sections = lines(MOST_LINES - 10, |n| format!("S{n}::"));
     let axes = lines(MOST_ROWS - 10, |n| format!("EXX,A{n},A{n},,0,0,0,0,"));
@@ -110,7 +109,7 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
         ("job.toml", flaws, GENERATE, "not valid TOML"),
         ("job.toml", unknown, GENERATE, "unknown key `k0`"),
         ("runs.csv", columns, "standards runs.csv", "columns, at most 1000 are read"),
-        ("job.toml", returns, GENERATE, "too many for a line"),
+        ("job.toml", "k = 1\r".repeat(40_000), GENERATE, "too many for a line"),
         ("page.tera", layout, report, "KiB, too much for"),
         ("a.txt", names, ETALON, "unknown parameter `Q0`"),
         ("a.rtl", sections, RTL, "there is no section `RUNS::`"),

@@ -68,8 +68,7 @@ struct Module {
 }
 
 fn words(path: &str) -> Route {
-    let words = path.split("::").map(|word| word.trim().to_string());
-    words.filter(|word| !word.is_empty()).collect()
+    path.split("::").map(|word| word.trim().to_string()).filter(|word| !word.is_empty()).collect()
 }
 
 /// `a::{b, c::{d, e as f}}` → each path with its name here.

@@ -287,8 +287,7 @@ proptest! {
 
 /// The number of an assignment in millionths, from its text: `…=-12.345678` is −12345678.
 fn millionths(line: &str) -> i64 {
-    let number = line.split('=').nth(1).unwrap().trim();
-    let (whole, decimals) = number.split_once('.').unwrap();
+    let (whole, decimals) = line.split('=').nth(1).unwrap().trim().split_once('.').unwrap();
     assert_eq!(decimals.len(), 6, "{line}");
     format!("{whole}{decimals}").parse().unwrap()
 }

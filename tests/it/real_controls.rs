@@ -36,15 +36,13 @@ fn job(control: &str, active: &str, travel: [[f64; 2]; 3], axis: fn(usize) -> St
 
 /// A five-axis machine: three linear axes on the second measuring system.
 fn siemens(active: &str) -> Inputs {
-    let travel = [[0.0, 950.0], [-850.0, 0.0], [-650.0, 0.0]];
-    job("siemens-840d-sl", active, travel, |index| {
+    job("siemens-840d-sl", active, [[0.0, 950.0], [-850.0, 0.0], [-650.0, 0.0]], |index| {
         format!("spacing_mm = 50\nid = \"AX{}\"\nmeasuring_system = 2", index + 1)
     })
 }
 
 fn fanuc(active: &str) -> Inputs {
-    let travel = [[-1000.0, 0.0], [-1100.0, 0.0], [-770.0, 30.0]];
-    job("fanuc-0i-f", active, travel, |index| {
+    job("fanuc-0i-f", active, [[-1000.0, 0.0], [-1100.0, 0.0], [-770.0, 30.0]], |index| {
         let spacing = [40.0, 27.5, 27.5][index];
         format!("spacing_mm = {spacing}\nid = \"{}\"\ndetection_unit_um = 0.1", index + 1)
     })
@@ -111,8 +109,7 @@ fn corrections(control: &dyn Emulator, job: &Inputs) -> String {
     for (base, output) in control.connected_axes() {
         let largest = |direction| {
             let way = response(control, &base, &output, direction);
-            let places = (-1700..1000).map(|mm| um_at(&way, f64::from(mm)).abs());
-            places.fold(0.0, f64::max)
+            (-1700..1000).map(|mm| um_at(&way, f64::from(mm)).abs()).fold(0.0, f64::max)
         };
         let um = largest(Direction::Plus).max(largest(Direction::Minus));
         if um > 0.0 {
@@ -125,8 +122,7 @@ fn corrections(control: &dyn Emulator, job: &Inputs) -> String {
 
 #[test]
 fn a_five_axis_840d_sl_is_understood_from_its_files() {
-    let names = ["AX_EEC.INI", "INITIAL.INI", "NC_CEC.INI"];
-    let Some(files) = real("siemens", &names) else { return };
+    let Some(files) = real("siemens", &["AX_EEC.INI", "INITIAL.INI", "NC_CEC.INI"]) else { return };
     insta::assert_snapshot!("real-siemens", understood(siemens, files));
     let Some(archive) = real("siemens", &["test.arc"]) else { return };
     let refused = read(&siemens("files"), archive, ReadOutFor::OldTables).unwrap_err().render();
@@ -167,8 +163,7 @@ fn the_switches_of_a_real_control_without_its_tables_are_refused() {
 
 #[test]
 fn a_complete_fanuc_backup_is_understood() {
-    let names = ["HM100TS_CNC-PARA.TXT", "HM100TS_PITCH.TXT"];
-    let Some(files) = real("fanuc", &names) else { return };
+    let Some(files) = real("fanuc", &["HM100TS_CNC-PARA.TXT", "HM100TS_PITCH.TXT"]) else { return };
     let (parameters, points) = (files[..1].to_vec(), files[1..].to_vec());
     insta::assert_snapshot!("real-fanuc", understood(fanuc, files));
     let job = fanuc("files");

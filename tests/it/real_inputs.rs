@@ -117,8 +117,7 @@ fn kind(said: &str) -> &'static str {
         ("text belongs into", "language of another control"),
         ("`L` belongs to no word", "Siemens language"),
     ];
-    let found = kinds.iter().find(|(words, _)| said.contains(words));
-    found.map_or("other", |(_, kind)| kind)
+    kinds.iter().find(|(words, _)| said.contains(words)).map_or("other", |(_, kind)| kind)
 }
 
 /// `ran`, or why not.

@@ -99,8 +99,7 @@ fn case_d_is_resolved_by_the_true_direction_of_motion() {
     for (name, wanted) in expected["direction_resolved_end_um"].as_object().unwrap() {
         let (term, sign) = name.split_at(3);
         let curves = separation.errors.directed(Direction::from_symbol(sign).unwrap()).unwrap();
-        let curve = curves[ErrorTerm::from_name(term).unwrap()].as_ref().unwrap();
-        let um = &curve.deviation_um;
+        let um = &curves[ErrorTerm::from_name(term).unwrap()].as_ref().unwrap().deviation_um;
         close(um.last().unwrap() - um.first().unwrap(), number(wanted), FILE_DIGITS_UM, name);
     }
     assert_eq!(separation.overrun, Some(true));

@@ -173,7 +173,6 @@ fn missed(targets_mm: &[f64], count: usize) -> usize {
 
 #[test]
 fn conditions_are_judged_by_length_and_targets_in_a_heap_are_found() {
-    let long_heap = [even(11, 1.0), vec![2400.0]].concat();
     for (targets, runs, misses, what) in [
         (&UNEVEN[..], 5, 0, "as the standard asks"),
         (&UNEVEN, 3, 1, "three runs"),
@@ -184,7 +183,7 @@ fn conditions_are_judged_by_length_and_targets_in_a_heap_are_found() {
         (&even(7, 500.0), 1, 1, "every 500 mm"),
         // Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
         (&even(10, 250.0), 1, 0, "every 250 mm"),
-        (&long_heap, 1, 1, "above 2 m, every 218 mm on average"),
+        (&[even(11, 1.0), vec![2400.0]].concat(), 1, 1, "above 2 m, every 218 mm on average"),
         // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
         (&[0.0, 50.0, 250.0, 300.0, 400.0], 5, 0, "the widest"),
     ] {

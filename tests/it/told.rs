@@ -52,8 +52,7 @@ fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
         "first_set = 1; if wrong: straightness sets already in use",
         "reserved_points = none; if wrong: points already used",
     ];
-    let controls = [("siemens-840d-sl", &of_siemens[..]), ("fanuc-30i", &of_fanuc)];
-    for (id, open) in controls {
+    for (id, open) in [("siemens-840d-sl", &of_siemens[..]), ("fanuc-30i", &of_fanuc)] {
         let (visit, mut ran) = told(id, None);
         let (work, page) = (visit.read("kit/checklist.md"), visit.read("kit/checklist.html"));
         let (work, annex) = work.split_once("## Annex").expect("an annex");

@@ -208,8 +208,7 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
     let chains: Vec<Chain> = Chain::all().collect();
     let nodes = [2, 3, 4].into_iter().cycle();
     for (chain, nodes) in chains.into_iter().cycle().zip(nodes).take(200) {
-        let machine = Machine::random(chain, &mut random, nodes, 50.0);
-        let model = machine.model();
+        let model = Machine::random(chain, &mut random, nodes, 50.0).model();
         let own = model.own_nodes();
         let d = figures(&model, &own);
         let widest = d.ranges_um.0.iter().filter_map(|(_, um)| *um).fold(0.0, f64::max);

@@ -7,8 +7,7 @@ fn figures_of(kit: &Kit) -> String {
     let commands = ["assess job.toml", "simulate job.toml --errors --force -o simulated.csv"];
     let pages = commands.map(|command| kit.0.yes(&format!("{command} --tables kit -v")));
     let pages = pages.concat();
-    let lines = pages.lines().filter(|line| !line.starts_with("note: "));
-    lines.collect::<Vec<_>>().join("\n")
+    pages.lines().filter(|line| !line.starts_with("note: ")).collect::<Vec<_>>().join("\n")
 }
 
 /// A control itself calls its whole parameter file `CNC-PARA.TXT`, with thousands of others in it.
