@@ -141,7 +141,7 @@ fn the_tables_take_off_what_they_hold() {
 }
 
 #[test]
-fn angles_of_their_own_table_are_read() {
+fn angles_of_their_own_table_are_read_and_can_be_zeroed_where_the_squareness_was_measured() {
     let visit = Visit::of("machine_h");
     let whole = document(&visit, "assess job.toml");
     let table = visit.read("errors.csv");
@@ -160,11 +160,6 @@ fn angles_of_their_own_table_are_read() {
     let apart = document(&visit, "assess job.toml");
     assert_eq!(apart["definitions"], whole["definitions"]);
     assert_eq!(apart["contributions"], whole["contributions"]);
-}
-
-#[test]
-fn angles_can_be_zeroed_where_the_squareness_was_measured() {
-    let visit = Visit::of("machine_h");
     let zero = "[measurement.angles_zero_mm]\nx = 0.0\n\n[compensation]";
     visit.edit("job.toml", "[compensation]", zero);
     let found = document(&visit, "assess job.toml");

@@ -30,7 +30,7 @@ fn value(text: &str, table: &str, point: u32) -> i64 {
 }
 
 #[test]
-fn the_profile_of_the_page_makes_files_that_read_back() {
+fn the_profile_of_the_page_makes_files_that_read_back_and_judges_what_was_read_out() {
     let (visit, text) = with_kit();
     visit.yes("controllers check norden.toml");
     // errors.csv: Y at 200 mm has -6 µm = +120 counts of 0.05 µm; X at 400 mm the mean 9.5 less 1.5 µm = -160.
@@ -42,6 +42,12 @@ fn the_profile_of_the_page_makes_files_that_read_back() {
     let sample = block_behind(&page("docs/own-control.md"), "says on pages 88 and 89:");
     visit.put("sample/READ.TXT", sample);
     visit.run("verify job.toml --tables sample").ends(1).omits("no pattern");
+    // What was read out is judged.
+    visit.put("right/READ.TXT", &text).yes("verify job.toml --tables right");
+    visit.put("turned/READ.TXT", replaced(&text, "\n5 120\r", "\n5 -120\r"));
+    visit.run("verify job.toml --tables turned").ends(1).says("EYY").says("200.0000 mm");
+    visit.put("foreign/READ.TXT", replaced(&text, "\r\nEND", "\r\nWEIGHT 2\r\nEND"));
+    visit.run("verify job.toml --tables foreign").ends(2).says(NO_PATTERN).says("READ.TXT:9:1");
 }
 
 #[test]
@@ -71,16 +77,6 @@ fn values_may_count_the_detection_unit() {
     visit.run("controllers check norden.toml").ends(2).says("`position_size` is out of range");
     visit.put("norden.toml", counted.replace("0.1 detection", "-1 detection"));
     visit.run("controllers check norden.toml").ends(2).says("`detection_unit`");
-}
-
-#[test]
-fn what_was_read_out_is_judged() {
-    let (visit, text) = with_kit();
-    visit.put("right/READ.TXT", &text).yes("verify job.toml --tables right");
-    visit.put("turned/READ.TXT", replaced(&text, "\n5 120\r", "\n5 -120\r"));
-    visit.run("verify job.toml --tables turned").ends(1).says("EYY").says("200.0000 mm");
-    visit.put("foreign/READ.TXT", replaced(&text, "\r\nEND", "\r\nWEIGHT 2\r\nEND"));
-    visit.run("verify job.toml --tables foreign").ends(2).says(NO_PATTERN).says("READ.TXT:9:1");
 }
 
 #[test]

@@ -413,7 +413,6 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
         for size in &sizes {
             let stick = Stick::new(size).unwrap();
             let mut before = tree(stick.0.path());
-            // Twice onto the same.
             for _ in 0..2 {
                 let (ran, found) = onto(stick.0.path());
                 let is_refused = ran.status == Some(2);

@@ -149,7 +149,6 @@ fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
     };
     let expected = "axis,position_mm,ex_um,ey_um,u_ey_um\nx,-100,-3,4,0.4\nx,0,-1,2,0.2";
     let text = becomes("s.csv", "t;e;s;u\n0;1;2;0.2\n100;3;4;0.4\n", &stated, expected);
-    // What was turned is said of that column only.
     let sense: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# sense: ")).collect();
     assert_eq!(sense, ["the file counts its targets against the axis, so EXX is turned as well"]);
 }

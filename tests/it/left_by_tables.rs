@@ -201,7 +201,6 @@ fn readings_and_levers_count_from_one_place() {
     let va = || defined(&visit.json("assess job.toml --grid 11,11,11"), "va_um");
     let first = va();
     assert!(first > 1.0, "{first}");
-    // Y and Z.
     visit.edit("job.toml", "720.0000]\nreference_mm = 0.0", "720.0000]\nreference_mm = 720.0");
     near("another reference", va(), first, 1e-3);
     let offsets = "[measurement]\noffsets_mm = { x = 0.0, y = 100.0, z = 250.0 }\n";

@@ -161,7 +161,7 @@ fn standard_input_beyond_the_limit_is_refused_like_a_file() {
 
 #[cfg(unix)]
 #[test]
-fn devices_and_pipes_without_a_writer_are_refused_at_once() {
+fn devices_and_pipes_without_a_writer_are_refused_at_once_and_one_with_a_writer_is_read() {
     let visit = Visit::of("start/errors");
     let job = visit.read("job.toml");
     fifo(&visit.at("pipe"));
@@ -173,17 +173,9 @@ fn devices_and_pipes_without_a_writer_are_refused_at_once() {
         refused(&visit, &format!("import {input} -o x.csv"), says);
     }
     refused(&visit, "path job.toml /dev/zero", "is no regular file");
-}
-
-/// A shell's `<(…)` is such a pipe.
-#[cfg(unix)]
-#[test]
-fn a_pipe_with_a_writer_is_read() {
-    let visit = Visit::of("start/errors");
-    fifo(&visit.at("pipe"));
-    // Opened for both, so that it does not wait for the reader; the bytes fit into the pipe.
+    // A shell's `<(…)` is a pipe with a writer. Opened for both, it does not wait for the reader; the bytes fit in.
     let mut both = File::options().read(true).write(true).open(visit.at("pipe")).unwrap();
-    std::io::Write::write_all(&mut both, visit.read("job.toml").as_bytes()).unwrap();
+    std::io::Write::write_all(&mut both, job.as_bytes()).unwrap();
     let writer = std::thread::spawn(move || {
         std::thread::sleep(Duration::from_secs(3));
         drop(both);

@@ -219,7 +219,6 @@ fn it_works_for_every_control() {
         let visit = Visit::with_job(&format!("nine_errors_900/{id}.toml")).with_any_kit();
         let left = page(&visit, "job.toml --tables kit --after errors.csv");
         check_figures(&visit, &left, "--after errors.csv");
-        // The same input gives the same bytes.
         assert_eq!(page(&visit, "job.toml"), page(&visit, "job.toml"), "{id}");
     });
 }

@@ -66,7 +66,6 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
         assert_eq!(page["rank"]["rank"], rank);
         let traded = format!("scale of {scales} can be traded against each other");
         assert_eq!(page["rank"]["undetermined"][0], format!("{traded}; measure {measure}"));
-        // What is not determined is absent.
         assert_eq!(page["errors"].get("EXX").is_some(), axes > 0);
     }
     let visit = with_linear_axes(0);
@@ -318,7 +317,6 @@ fn what_contradicts_the_diagonals_is_told_and_nothing_passes() {
     // A wrong sign of the laser or size of the box.
     disagrees(&[("steps = 30", "steps = 30\nlaser_sign = \"-\"")]);
     disagrees(&[("y = 720.0000, z = 720.0000 }", "y = 720.0000, z = 620.0000 }")]);
-    // As measured they agree.
     let visit = golden_case("case_b_setup");
     let redundancy = &separated(&visit, 0)["redundancy"];
     assert!(number(&redundancy["probability"]) > 0.05, "{redundancy}");

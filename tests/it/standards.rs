@@ -79,7 +79,7 @@ fn all_near(found: ByDirection, [up, down, both]: [f64; 3]) {
 }
 
 #[test]
-fn figures_of_iso_230_2_by_hand() {
+fn figures_of_iso_230_2_and_vdi_3441_by_hand() {
     let s = 2.0_f64.sqrt();
     let figures = iso_230_2::figures(&by_hand());
     let axis = figures.axis;
@@ -98,11 +98,6 @@ fn figures_of_iso_230_2_by_hand() {
     let axis = iso_230_2::figures(&runs).axis;
     all_near(axis.e, [1.0, 1.0, 11.0]);
     all_near(axis.r, [0.0, 0.0, 10.0]);
-}
-
-#[test]
-fn figures_of_vdi_3441_by_hand() {
-    let s = 2.0_f64.sqrt();
     let figures = vdi_3441::figures(&by_hand()).unwrap();
     near(Some(figures.u_um), 3.0);
     near(Some(figures.u_mean_um), 2.0);

@@ -155,6 +155,10 @@ fn siemens() {
         .says("another value at 150.0000 mm, where the tables correct");
     kit.no(EEC, swap("golden 900", "another machine"))
         .says("its hash is not that of manifest.json");
+    // A transfer may change the line ends and nothing else: told as other bytes with the same values.
+    let only_bytes = "read back, tables and switches are as the job asks";
+    kit.no(EEC, swap("\n", "\r\n")).says(only_bytes);
+    kit.changed(EEC, swap("=0.018", "=0.019")).says("another value").omits(only_bytes);
     kit.unread("manifest.json", cut("}")).says("`manifest.json` is damaged");
 }
 
@@ -184,7 +188,6 @@ fn fanuc() {
     // Axes 1 and 2 exchanged.
     kit.no(PARAMETERS, |t| t.replace("A1P", "A#P").replace("A2P", "A1P").replace("A#P", "A2P"))
         .says("EXX (1 while 1 moves): foreign axis: these are the corrections of EYY");
-    // A straightness set moves another axis.
     kit.no(PARAMETERS, swap("N05721Q1L1P2", "N05721Q1L1P3"))
         .says("foreign axis: the corrections of EYX are added to its own");
 }
@@ -240,15 +243,6 @@ fn the_verdict_stands_first_and_a_missing_manifest_is_told() {
     let ran = Kit::without_manifest("generic").verify();
     let ran = ran.says("note: there is no manifest.json").says(judged);
     assert!(ran.out.starts_with("verdict: pass (asked: "), "{}", ran.out);
-}
-
-/// A transfer may change the line ends of a file and nothing else.
-#[test]
-fn a_file_with_other_bytes_and_the_same_values_is_told_as_such() {
-    let kit = Kit::of("siemens-840d-sl");
-    let only_bytes = "read back, tables and switches are as the job asks";
-    kit.no(EEC, swap("\n", "\r\n")).says(only_bytes);
-    kit.changed(EEC, swap("=0.018", "=0.019")).says("another value").omits(only_bytes);
 }
 
 #[test]
@@ -309,7 +303,7 @@ fn each_kind_of_line_is_missed(kit: &Kit, file: &str) {
 }
 
 #[test]
-fn what_operating_systems_leave_is_passed_over_with_or_without_manifest() {
+fn what_operating_systems_leave_is_passed_over_and_a_foreign_program_is_not() {
     let kit = Kit::made(Visit::of("start/errors"));
     let visit = &kit.0;
     visit
@@ -333,6 +327,11 @@ fn what_operating_systems_leave_is_passed_over_with_or_without_manifest() {
     kit.verify().ends(1).says(words);
     visit.put("kit/OLD.MPF", "$AN_CEC[7,0]=0.01\nM30\n");
     kit.verify().ends(2).says("OLD.MPF");
+    // A program for the control is told also where it sets no variable; a text for people is not.
+    visit.put("kit/OLD.MPF", "G0 X100\nM30\n");
+    kit.verify().ends(2).says("`G0 X100` does not belong here").says("OLD.MPF:1:1");
+    visit.put("kit/OLD.MPF", "M30 was looked at\n");
+    kit.verify().ends(0).says("`OLD.MPF` was ignored");
 }
 
 #[test]

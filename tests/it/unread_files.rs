@@ -67,17 +67,6 @@ fn a_kit_without_its_checklist_has_all_other_files() {
     visit.run("verify job.toml --tables bare").ends(0).says("job and tables agree");
 }
 
-/// A text for people is passed over, a program for the control is not.
-#[test]
-fn a_foreign_program_is_told_also_where_it_sets_no_variable() {
-    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
-    visit.yes("generate job.toml -q -o kit");
-    visit.put("kit/OTHER.MPF", "G0 X100\nM30\n");
-    visit.run(VERIFY).ends(2).says("`G0 X100` does not belong here").says("OTHER.MPF:1:1");
-    visit.put("kit/OTHER.MPF", "M30 was looked at\n");
-    visit.run(VERIFY).ends(0).says("`OTHER.MPF` was ignored");
-}
-
 #[test]
 fn a_file_that_no_reader_takes_fails_turned_deleted_or_unlisted_and_makes_no_predecessor() {
     for keys in ["", "loaded = false"] {
