@@ -17,7 +17,6 @@ fn job() -> String {
     fixture("base/verify/job.toml") + y + ACCEPTANCE
 }
 
-/// The job, its kit and the second measurement.
 fn visit(after: &str) -> Visit {
     let errors = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,6,3\nx,100,16,-4\n";
     let visit = Visit::with(job(), errors).with_any_kit();

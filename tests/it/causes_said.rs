@@ -94,7 +94,6 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
     )
 }
 
-/// The machine measured and its kit made.
 fn visit(machine: &Machine) -> Visit {
     let errors = table(machine, 1, machine.error_um);
     Visit::with(job(machine, "errors.csv", "none"), errors).with_any_kit()

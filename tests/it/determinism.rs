@@ -46,7 +46,6 @@ fn commands() -> impl Iterator<Item = (&'static (&'static str, &'static str), &'
     COMMANDS.iter().zip(&*MADE)
 }
 
-/// Runs a command where its fixture is.
 fn made_by(mut program: Command, (fixture, words): (&str, &str)) -> Made {
     let visit = Visit::of(fixture);
     make(&mut program, &visit, visit.folder(), "", words)

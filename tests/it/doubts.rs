@@ -16,7 +16,6 @@ use serde_json::Value;
 
 const SIGMA_UM: f64 = 0.3;
 
-/// Several forward runs of a machine with noise.
 fn repeated(seed: u64, count: u32) -> Vec<Run> {
     let mut random = seeded(seed);
     let readings = Machine::random(&box_30(), &mut random).readings(None);

@@ -40,7 +40,6 @@ fn old_file(visit: &Visit) {
     visit.put("put.csv", USERS_OWN);
 }
 
-/// An old folder of a measuring run with readings.
 fn old_run(visit: &Visit) {
     visit.append("job.toml", PROGRAM).run("program job.toml -o kit");
     visit.put("kit/readings.csv", USERS_OWN);
@@ -100,7 +99,6 @@ const SCENES: [Scene; 17] = [
 /// A scene with what it is before, and after a run that nothing disturbs.
 struct Played {
     command: &'static str,
-    /// Where it writes.
     output: &'static str,
     before: Tree,
     after: Tree,
@@ -208,7 +206,6 @@ struct Call {
     name: String,
     /// Which one of that name it is.
     number: usize,
-    /// The system may refuse it.
     is_refusable: bool,
 }
 

@@ -56,7 +56,6 @@ fn becomes(name: &str, file: &str, stated: &Stated, expected: &str) -> String {
     text
 }
 
-/// What a laser file needs.
 fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
     Stated {
         term: Component::from_name("EXX"),

@@ -130,7 +130,6 @@ fn a_manifest_that_lists_too_much_is_refused_and_what_stands_twice_is_told_once(
     let judged = visit.run(KIT).ends(1).all();
     assert_eq!(judged.matches(twice).count(), 1, "{judged}");
     visit.run("history kit").ends(1).says(twice);
-
     let entries = vec![r#"{"path":"x","role":"table","sha256":"0"}"#; 1_000_000].join(",");
     visit.put("kit/manifest.json", format!("{{\"files\":[{entries}]}}"));
     visit.put("job2.toml", replaced(&visit.read("job.toml"), "= \"none\"", "= \"kit\""));
@@ -285,18 +284,15 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
     let most = format!("points, expected at most {MOST_POINTS}");
     run(&visit, "generate job.toml -o kit").ends(2).says(&most);
     assert!(!visit.has("kit"));
-
     visit.edit("job.toml", "spacing_mm = 0.5", "spacing_mm = 0.75");
     for command in ["generate job.toml -o kit", KIT, "history kit"] {
         run(&visit, command).ends(0);
     }
-
     let windy = "it was a windy day in the hall, and the door was open; ".repeat(6);
     let doubts = lines(1000, |n| format!("# doubt: {n}: {windy}"));
     visit.put("errors.csv", doubts + &visit.read("errors.csv")).put("job.toml", &job);
     run(&visit, "generate job.toml -o doubtful").ends(2).says("`manifest.json` holds more than");
     assert!(!visit.has("doubtful"));
-
     let visit = with_job("siemens-840d-sl");
     let program = "\n[program]\nwhat = \"step-diagonal\"\nstart_mm = { x = 0.0, y = 0.0, z = -720.0 }\n\
                    size_mm = { x = 900.0, y = 720.0, z = 720.0 }\nsteps = 360\norder = \"XYZ\"\n\

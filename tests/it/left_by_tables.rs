@@ -53,14 +53,12 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
             let forecast = number(&manifest["forecast"]["terms"]["EXX"]["after_um"]);
             let is_easy = shape == straight && !id.starts_with("fanuc");
             assert!(is_easy || forecast > 0.01, "{what}: {forecast} is too easy");
-
             let path = &visit.json("path job.toml p.nc --tables kit")["after"];
             let extreme = |of: &str, end: &str| number(&path["extremes"][of][end]["um"]);
             near(&format!("{what}, path"), extreme("e", "max"), forecast, 2.0 * LAST_DIGIT);
             let range = extreme("ex", "max") - extreme("ex", "min");
             let accuracy = number(&path["profile_accuracy_um"]);
             assert!(accuracy <= range + 2.0 * LAST_DIGIT, "{what}");
-
             // The reference is a node where nothing is left, so VA is not less than the largest error.
             let after = &visit.json("assess job.toml --tables kit")["after"];
             let from = defined(after, "max_from_reference_um");
@@ -160,7 +158,6 @@ fn nothing_left_is_nothing_in_every_definition() {
         near(&part["term"].to_string(), number(&part["um"]), 0.0, 2.0 * LAST_DIGIT);
         assert_ne!(part["term"], "squareness_xy", "it is in EXY, which the table corrects");
     }
-
     let reversal = "axis,position_mm,ex_um,ey_um,ez_um,direction\nx,0,0,0,0,+\nx,900,0,0,0,+\nx,0,-20,0,0,-\nx,900,-20,0,0,-\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
     let visit = visit("", &control("generic", "backlash = \"mean\""), reversal);
     let found = visit.json("assess job.toml --with-tables");

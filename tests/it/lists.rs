@@ -59,7 +59,6 @@ fn filled(own: &[f64], counting: Counting, column: &str) -> Result<String, Strin
     fill_form(&form, &lists, counting, column)
 }
 
-/// With one value taken out.
 fn without(values: &[f64], place: usize) -> Vec<f64> {
     let mut values = values.to_vec();
     values.remove(place);

@@ -90,7 +90,6 @@ fn machine(at: &Visit, steps: u32, both: bool, box_ends: &[[f64; 2]; 3]) {
     at.put("machine.csv", error_rows("ex_um,ey_um,ez_um", &axes, ways, deviations));
 }
 
-/// A visit that was begun in the folder `visit`.
 fn begun(at: &Visit, id: &str, more: &str) {
     let travel = "--travel 800,500,-400:0";
     let ran = at.run(&format!("new --controller {id} {travel} {more} -o visit")).ends(0);

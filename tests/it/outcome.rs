@@ -89,7 +89,6 @@ fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
     }
 }
 
-/// A part program that takes long.
 fn long_program(visit: &Visit, repeats: usize) {
     let block = "G1 X100 Y50 F500\nX0 Y0\n".repeat(repeats);
     visit.put("long.nc", format!("G21 G90\n{block}M30\n"));
@@ -118,7 +117,6 @@ fn started(visit: &Visit, first: &str) -> Child {
     child
 }
 
-/// Sends a signal, and waits for the end.
 fn ended_by(mut child: Child, signal: &str) -> Option<i32> {
     assert!(succeeds(Command::new("kill").args([format!("-{signal}"), child.id().to_string()])));
     child.wait().expect("it ends").code()

@@ -54,6 +54,9 @@ fn of_twenty_at_once_one_writes_and_the_others_are_refused() {
         assert!(name.split(", ").all(is_ours), "{words}: {name}");
         only_whole_kits(&visit);
     }
+    let visit = Visit::of("base/form");
+    assert_eq!(twenty(&visit, FILL_IN), 1);
+    assert!(visit.read("form.csv").contains("1,1,+,500\n"));
 }
 
 #[test]
@@ -72,13 +75,6 @@ fn twenty_at_once_with_force_lose_nothing() {
 /// A form of three captures, filled in from a list in the same place.
 const FILL_IN: &str = "import list.txt --form form.csv --columns \"#1=displacement_mm\" --captures cumulative \
     --decimal comma -o form.csv --force";
-
-#[test]
-fn of_twenty_that_fill_in_one_form_one_does() {
-    let visit = Visit::of("base/form");
-    assert_eq!(twenty(&visit, FILL_IN), 1);
-    assert!(visit.read("form.csv").contains("1,1,+,500\n"));
-}
 
 #[cfg(unix)]
 #[test]

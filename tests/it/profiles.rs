@@ -89,7 +89,6 @@ fn every_template_renders() {
     }
 }
 
-/// A profile from the text of its page.
 fn of_page(page: &str) -> Profile {
     let template = |name: &str, is_own: bool| (!is_own).then(|| builtin::template(name))?;
     let page = source("own.toml", page);

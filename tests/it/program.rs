@@ -87,7 +87,6 @@ impl Case {
         self.made().unwrap_or_else(|p| panic!("{}\n{}", p.render(), self.job()))
     }
 
-    /// What the walk says of other files.
     fn judged(&self, files: &[ProgramFile]) -> Result<(), Problems> {
         let (job, profile) = (self.read(), builtin::profile(self.control).unwrap());
         judge(RunTask::of(&job, &profile).unwrap(), files).map(|_| ())
@@ -103,7 +102,6 @@ fn fanuc(keys: &str) -> Case {
     Case::small("fanuc-30i", &format!("{STEP}\n{keys}"))
 }
 
-/// The text of a file of the kit.
 fn text(kit: &ProgramKit, path: &str) -> String {
     let file = kit.files.iter().find(|file| file.path == path);
     let bytes = file.unwrap_or_else(|| panic!("there is no {path}")).bytes.clone();

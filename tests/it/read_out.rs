@@ -385,28 +385,23 @@ fn the_measuring_system_that_the_job_does_not_name_is_told() {
     siemens("two-tables").is(&off, "pass", says); // in CEC alone
 }
 
+/// Points alone tell neither axis nor grid; the checklist is for people, and nothing else needs it.
 #[test]
-fn a_control_file_among_files_of_a_kit_is_judged() {
+fn a_kit_with_the_controls_own_file_or_without_a_part_is_judged_by_what_is_there() {
     let cnc = fanuc("mean");
     let others: String = (0..200).map(|k| format!("N{:05}Q1P0\n", 100 + k)).collect();
     let whole = cnc.archive(&others);
     let sign = cnc.0.read("kit/checklist.md");
     cnc.judge("pass", &[("CNC-PARA.TXT", &whole), ("checklist.md", &sign)])
         .says("`checklist.md` is a file of a kit that is not loaded with its tables: ignored");
-    cnc.0.put("kit/CNC-PARA.TXT", &whole);
-    cnc.verify("kit", "fail")
-        .says("`CNC-PARA.TXT` holds far more than a kit, so it is the control's own");
-}
-
-/// Points alone tell neither axis nor grid; the checklist is for people, and nothing else needs it.
-#[test]
-fn a_kit_of_which_a_part_is_missing_is_judged_by_the_rest() {
-    let cnc = fanuc("mean");
     cnc.judge("fail", &[("points.txt", &cnc.0.read("kit/PITCH.TXT"))])
         .says("no parameter 3620 to 3624, so which axes they correct is not known");
     fs::remove_file(cnc.0.at("kit/checklist.md")).unwrap();
     let says = "note: `checklist.md` is listed in manifest.json but missing";
     cnc.verify("kit", "pass").says(says);
+    cnc.0.put("kit/CNC-PARA.TXT", &whole);
+    cnc.verify("kit", "fail")
+        .says("`CNC-PARA.TXT` holds far more than a kit, so it is the control's own");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Files of other people's instruments and CAM systems, read where they lie: what is understood, what refused and why.
 use crate::support::words as said_of;
-use crate::support::{Visit, shared};
+use crate::support::{Visit, holds, shared};
 use nonius::control::controller::TableSign;
 use nonius::inputs::import::stated::{MaterialCorrected, Stated};
 use nonius::inputs::import::{Component, Imported};
@@ -63,28 +63,19 @@ fn understood(imported: &Imported) -> String {
 }
 
 #[test]
-fn laser_exports_are_read_as_they_are() {
+fn laser_exports_are_read_as_they_are_and_nothing_is_guessed() {
     let Some(files) = files("api") else { return };
     let mut words = String::new();
     for (name, path) in &files {
         let refused = |p: Problems| p.to_string().lines().take(1).collect::<String>() + "\n";
         let said = imported(path, &stated(name)).map_or_else(refused, |own| understood(&own));
         words += &format!("{name}\n{said}\n");
-    }
-    insta::assert_snapshot!(words);
-}
-
-#[test]
-fn of_a_laser_export_nothing_is_guessed() {
-    let Some(files) = files("api") else { return };
-    for (name, path) in &files {
         let nothing = imported(path, &Stated::default()).unwrap_err().to_string();
-        for option in ["--term", "--sign", "--material-corrected"] {
-            assert!(nothing.contains(option), "{name}: {nothing}");
-        }
+        holds(&nothing, &["--term", "--sign", "--material-corrected"]);
         let turned = Stated { sign: Some(TableSign::AsCorrection), ..stated(name) };
         assert!(imported(path, &turned).is_err(), "{name}");
     }
+    insta::assert_snapshot!("laser_exports_are_read_as_they_are", words);
 }
 
 /// A machine with so much travel that no program leaves it.

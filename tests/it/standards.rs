@@ -143,7 +143,6 @@ fn one_run_has_no_scatter_and_says_so() {
 /// Five targets on 400 mm as the standard asks for them.
 const UNEVEN: [f64; 5] = [0.0, 101.0, 199.0, 305.0, 400.0];
 
-/// Runs without any deviation.
 fn flat(targets_mm: &[f64], count: usize) -> Runs {
     let um = vec![vec![0.0; count]; targets_mm.len()];
     Runs::new(targets_mm.to_vec(), Some(um.clone()), Some(um)).unwrap()

@@ -32,18 +32,14 @@ fn golden(part: &Value) {
     }
 }
 
+/// No figure depends on the box; what does is named as not tested where readings stand alone.
 #[test]
-fn a_job_with_readings_gives_the_figures_of_its_diagonals() {
+fn a_job_with_readings_and_readings_alone_give_the_figures_of_the_diagonals() {
     let part = &document("diagonals/case_d_bidirectional/job.toml", "")["iso_230_6"];
     golden(part);
     let targets = &part["conditions"]["list"][2];
     assert_eq!(targets["outcome"], "met");
     assert_eq!(targets["found"], "11 targets on 1358.97 mm");
-}
-
-/// No figure depends on the box; what does is named as not tested.
-#[test]
-fn readings_alone_give_the_same_figures() {
     let readings = "diagonals/case_d_bidirectional/readings.csv";
     let part = &document(readings, "")["iso_230_6"];
     golden(part);

@@ -24,7 +24,6 @@ use nonius::read::emulate::Emulator;
 use nonius::text::{Finding, Problems, Severity, of_severity};
 use nonius::write::findings::TableFinding;
 
-/// What is told of the files that were active.
 fn notes_of(active: &ActiveControl) -> String {
     words(&of_severity(&active.findings, Severity::Note)).join("\n")
 }
@@ -78,7 +77,6 @@ fn taken(job: &str, errors: &str, file: &str) -> Inputs {
     taken.unwrap_or_else(|problems| panic!("{}\n{file}", problems.render()))
 }
 
-/// What acted according to a kit.
 fn of_kit(found: &Inputs, old: &Kit) -> Result<ActiveControl, Problems> {
     let files = old.files.iter().map(|f| (f.path.clone(), f.bytes.clone())).collect();
     from_kit(&found.job, &found.profile, "old", &old.manifest_bytes().unwrap(), files)

@@ -78,7 +78,6 @@ fn truth() -> String {
     fixture("nine_errors_900/errors.csv")
 }
 
-/// The golden machine with a Siemens control, as found.
 fn as_found() -> Visit {
     prepared(&golden("siemens-840d-sl"), &truth(), FORWARD)
 }
@@ -125,7 +124,6 @@ fn causes(after: &Value) -> impl Iterator<Item = &Value> {
     after["diagnosis"]["causes"].as_array().expect("causes").iter()
 }
 
-/// Kinds of the causes that the page names.
 fn kinds(after: &Value) -> Vec<&str> {
     causes(after).filter_map(|cause| cause["kind"].as_str()).collect()
 }
@@ -268,18 +266,6 @@ fn lost_motion(found: &Value, axis: &str) -> f64 {
     let start =
         |sign: &str| number(&found["errors"][format!("E{axis}{axis}{sign}")]["deviation_um"][0]);
     start("-") - start("+")
-}
-
-#[test]
-fn a_visit_in_both_directions_takes_the_lost_motion_away() {
-    let program = "bidirectional = true\noverrun_mm = 0.0";
-    let campaign = [program, "overrun = false", "backlash = \"two-tables\"\n"];
-    let visit = prepared(&golden("siemens-840d-sl"), &with_lost_motion(), campaign);
-    let lost = lost_motion(&visit.json("separate job.toml --trials 0"), "X");
-    assert!((lost - 6.0).abs() < 0.5, "{lost}");
-    visit.yes("generate job.toml -o kit");
-    let after = judged(&visit, "--tables kit");
-    assert_eq!(after["verdict"], "pass", "{after:#}");
 }
 
 /// Neither forward runs nor runs with overrun tell it; the linear axes of the same job do, and the kit takes it away.

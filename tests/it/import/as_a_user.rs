@@ -14,7 +14,6 @@ const JOB: &str = "schema = 1\n[machine]\nname = \"Example mill\"\nserial = \"00
     [compensation]\ncontroller = \"generic\"\nbacklash = \"two-tables\"\n\
     [compensation.axes.x]\nspacing_mm = 50.0\n";
 
-/// A laser's file of X, and a job.
 fn visit() -> Visit {
     let visit = Visit::new();
     visit.put("x.rtl", file(RTL)).put("job.toml", JOB);

@@ -39,7 +39,6 @@ fn read_from(profile: &Profile, kit: &Kit) -> FanucMemory {
     memory
 }
 
-/// Sets a parameter of both axes.
 fn set(memory: &mut FanucMemory, number: u32, value: ParameterValue) {
     for axis in [1, 2] {
         memory.parameters.insert(ParameterKey { number, axis: Some(axis) }, value);

@@ -3,7 +3,6 @@
 use super::*;
 use crate::support::{Ran, Visit};
 
-/// A job measured under the tables of `active`.
 fn job(active: &str) -> String {
     siemens(&format!("active_while_measuring = \"{active}\""))
 }

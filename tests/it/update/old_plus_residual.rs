@@ -112,7 +112,6 @@ fn under(case: &Case, old: &Kit, errors: &str) -> Inputs {
     shown(found.with_active(active))
 }
 
-/// Old kit, measurement under it, new kit.
 fn visit(case: &Case, before: &[Wave; 4], residual: &[Wave; 4]) -> (Inputs, Kit, Kit) {
     let old_job = case.job(case.old_spacing, UNCORRECTED);
     let (_, old) = generate(&old_job, &table(case, before, 6.0, case.old_spacing));
