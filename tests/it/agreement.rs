@@ -138,7 +138,7 @@ fn the_laser_goes_through_the_solution() {
 }
 
 #[test]
-fn the_temperature_goes_through_the_solution() {
+fn the_temperature_and_the_coefficient_of_expansion_go_through_the_solution() {
     let stated = StatedUncertainty { temperature_k: Some(1.0), ..simulated::exact() };
     let found = with_stated(5, stated, steel(&Axis::ALL, Some(22.0)), None);
     close(u_at_end(&found, "EZZ").unwrap(), 29.50, 0.05, "EZZ");
@@ -149,6 +149,13 @@ fn the_temperature_goes_through_the_solution() {
     close(u_at_end(&found, "EZZ").unwrap(), wanted, 0.05, "EZZ by X");
     labelled(&found, "temperature_k is included in the scales for X");
     labelled(&found, "but not for Y, Z");
+    // Recorded temperatures serve the coefficient.
+    let stated = StatedUncertainty { alpha_per_k: Some(1e-6), ..simulated::exact() };
+    let cold = with_stated(6, stated, steel(&Axis::ALL, None), None);
+    labelled(&cold, "alpha_per_k is stated but not included for any axis");
+    let warm = with_stated(6, stated, steel(&Axis::ALL, None), Some(35.0));
+    close(u_at_end(&warm, "EZZ").unwrap(), 15.0 * 0.72 * 3.5625, 0.05, "EZZ");
+    labelled(&warm, "alpha_per_k is included in the scales");
 }
 
 #[test]
@@ -167,16 +174,6 @@ fn changes_between_set_ups_make_squareness_uncertain() {
     let said = words(&silent.labels).concat();
     let sizes = ["xy 1.42, xz 1.42, yz 1.78", "xy 1.43, xz 1.43, yz 1.78"];
     assert!(sizes.iter().any(|sizes| said.contains(sizes)), "{said}");
-}
-
-#[test]
-fn recorded_temperatures_serve_the_coefficient_of_expansion() {
-    let stated = StatedUncertainty { alpha_per_k: Some(1e-6), ..simulated::exact() };
-    let cold = with_stated(6, stated, steel(&Axis::ALL, None), None);
-    labelled(&cold, "alpha_per_k is stated but not included for any axis");
-    let warm = with_stated(6, stated, steel(&Axis::ALL, None), Some(35.0));
-    close(u_at_end(&warm, "EZZ").unwrap(), 15.0 * 0.72 * 3.5625, 0.05, "EZZ");
-    labelled(&warm, "alpha_per_k is included in the scales");
 }
 
 /// A bow in every axis; an exact beam over a part of X, and one askew inside the box.

@@ -15,7 +15,6 @@ use proptest::prelude::*;
 mod as_a_user;
 
 const RTL: &str = "rtl_linear_bidirectional_selfmade.rtl";
-const POS: &str = "pos_linear_selfmade.pos";
 
 /// A file of `fixtures/formats`.
 fn file(name: &str) -> String {
@@ -108,7 +107,7 @@ fn every_format_becomes_the_table_that_was_checked() {
         ("renishaw_static_data", RTL, &plus),
         (towards_smaller, "sample_synthetic.rtl", &minus),
         ("renishaw_compensation_table", "ren_table_selfmade.ren", &signed_by_file),
-        ("api_position_export", POS, &plus),
+        ("api_position_export", "pos_linear_selfmade.pos", &plus),
         ("etalon_exchange", "etalon_exchange_selfmade.txt", &error),
         ("isg_components_given_as_corrections", "isg_component_errors_selfmade.csv", &correction),
     ] {

@@ -1,5 +1,5 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::{Ran, Visit, error_rows, error_table, own_profile, positioning_ids, short_or};
+use crate::support::{Visit, error_rows, error_table, own_profile, positioning_ids, short_or};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::inputs::error_table::Kind;
 use nonius::quantity::Axis;
@@ -97,19 +97,6 @@ fn begun(at: &Visit, id: &str, more: &str) {
     assert!(ran.err.replace('\\', "/").contains("/job.toml"), "{}", ran.err);
 }
 
-/// The kit of a visit that was filled in: made, and nothing assumed that its job could have stated.
-fn kit_of(at: &Visit, id: &str) -> Ran {
-    let ran = at.run("generate visit/job.toml -o visit/kit").answers();
-    let manifest = at.document("visit/kit/manifest.json");
-    let profile = builtin::profile(id).unwrap();
-    for assumed in manifest["assumptions"].as_array().unwrap() {
-        let fact = assumed["fact"].as_str().unwrap();
-        let is_of_profile = profile.statements.iter().any(|stated| stated.fact == fact);
-        assert!(is_of_profile || fact.starts_with("pitch_compensation_of_axis"), "{id}: {fact}");
-    }
-    ran
-}
-
 /// The ends of the box that a job with readings describes.
 fn box_ends(at: &Visit) -> [[f64; 2]; 3] {
     let job = at.read("visit/job.toml");
@@ -175,7 +162,14 @@ fn walk(id: &str, more: &str, until: Until) {
     if are_readings {
         at.yes("separate visit/job.toml --trials 0");
     }
-    let kit = kit_of(at, id);
+    let kit = at.run("generate visit/job.toml -o visit/kit").answers();
+    // Nothing is assumed that the job could have stated.
+    let profile = builtin::profile(id).unwrap();
+    for assumed in at.document("visit/kit/manifest.json")["assumptions"].as_array().unwrap() {
+        let fact = assumed["fact"].as_str().unwrap();
+        let is_of_profile = profile.statements.iter().any(|stated| stated.fact == fact);
+        assert!(is_of_profile || fact.starts_with("pitch_compensation_of_axis"), "{id}: {fact}");
+    }
     let takes_all = ["generic", "siemens-840d-sl"].contains(&id);
     assert!(kit.status == Some(0) || !takes_all || are_readings, "{id} {more}");
     at.run("verify visit/job.toml --tables visit/kit").answers();

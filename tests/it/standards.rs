@@ -301,7 +301,6 @@ fn same(a: &[f64], b: &[f64]) -> bool {
 }
 
 proptest! {
-
     #[test]
     fn a_constant_moves_means_and_nothing_else((mut up, mut down) in any_runs(), constant in -100.0..100.0_f64) {
         let before = runs_of(&up, &down);

@@ -3,8 +3,6 @@
 use crate::support::{Ran, Visit, own_profile, tree};
 use std::fs;
 
-const TEMPLATE: &str = "place;value\n{% for row in rows -%}\n{{ row.position_mm }};{{ row.correction_um }}\n{% endfor -%}\n";
-
 /// The sentence of a verdict that rests on a file without reader.
 const UNREAD: &str = "`loaded.csv` is not read back (role `report`)";
 const CHANGED: &str = "`loaded.csv` was changed after it was made";
@@ -20,11 +18,12 @@ fn kit(keys: &str) -> (Visit, Ran) {
     let loaded = file("report", "loaded.csv", "loaded.csv.tera");
     let checklist = file("checklist", "checklist.md", "checklist.md.tera");
     let shop = own_profile("generic", &format!("{table}{loaded}{keys}\n{checklist}"));
+    let template = "place;value\n{% for row in rows -%}\n{{ row.position_mm }};{{ row.correction_um }}\n{% endfor -%}\n";
     let visit = Visit::with_job("nine_errors_900/generic.toml");
     visit
         .edit("job.toml", "controller = \"generic\"", "controller = \"shop.toml\"")
         .put("shop.toml", shop)
-        .put("loaded.csv.tera", TEMPLATE);
+        .put("loaded.csv.tera", template);
     let ran = visit.run("generate job.toml -o kit");
     (visit, ran)
 }

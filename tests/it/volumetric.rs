@@ -67,18 +67,8 @@ fn figures(model: &VolumeModel, nodes: &Nodes) -> Definitions {
     definitions::definitions(model, &model.map(nodes).expect("a map"))
 }
 
-fn axis_vector(axis: Axis, length: f64) -> [f64; 3] {
-    Axis::ALL.map(|other| if other == axis { length } else { 0.0 })
-}
-
 fn translation(v: [f64; 3]) -> Matrix4<f64> {
     Matrix4::new_translation(&Vector3::from(v))
-}
-
-/// The small motion of errors in µm and µrad, as an exact rotation; lengths in mm.
-fn error_matrix([x, y, z, a, b, c]: [f64; 6]) -> Matrix4<f64> {
-    let turn = Rotation3::new(Vector3::new(a, b, c) * 1e-6).to_homogeneous();
-    translation([x, y, z].map(|um| um * 1e-3)) * turn
 }
 
 /// Places of the offsets and of the tool point in the tests with matrices.
@@ -92,8 +82,11 @@ fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
     for axis in machine.chain.order() {
         let own = axis as usize;
         let arm = machine.positions[axis][node[own]] - OFFSETS[own];
-        let travel = translation(axis_vector(axis, arm));
-        let error = error_matrix(machine.row(axis, node[own]));
+        let travel = translation(Axis::ALL.map(|other| if other == axis { arm } else { 0.0 }));
+        let [x, y, z, a, b, c] = machine.row(axis, node[own]);
+        // The small motion, as an exact rotation; lengths in mm.
+        let turn = Rotation3::new(Vector3::new(a, b, c) * 1e-6).to_homogeneous();
+        let error = translation([x, y, z].map(|um| um * 1e-3)) * turn;
         chain *= if machine.chain.moves_workpiece(axis) { error * travel } else { travel * error };
         nominal[own] += arm;
     }

@@ -136,18 +136,6 @@ fn all_cases() -> Vec<Case> {
     (0..240).map(of).collect()
 }
 
-fn forecast_is_of_what_was_measured(case: &Case, found: &Inputs, new: &Kit) {
-    for term in &new.forecast.terms {
-        let measured = found.as_measured().terms[term.term].as_ref().unwrap();
-        assert_eq!(term.change.before_um, measured.largest_um(), "{}", term.term);
-    }
-    let is_exact = case.controller != "linuxcnc" && !case.is_of("fanuc");
-    if is_exact && case.policy == Some("two-tables") && case.old_spacing > 49.0 {
-        let left = new.forecast.max_residual_um();
-        assert!(left < 0.01, "{left}");
-    }
-}
-
 /// Compares the tables at their points, and says at how many.
 fn points_hold_the_sum(case: &Case, found: &Inputs, old: &Kit, new: &Kit) -> usize {
     let mut compared = 0;
@@ -193,7 +181,15 @@ fn new_is_old_plus_residual_on_every_control() {
                 continue;
             }
             let (found, old, new) = visit(&case, &before, &residual);
-            forecast_is_of_what_was_measured(&case, &found, &new);
+            for term in &new.forecast.terms {
+                let measured = found.as_measured().terms[term.term].as_ref().unwrap();
+                assert_eq!(term.change.before_um, measured.largest_um(), "{}", term.term);
+            }
+            let is_exact = case.controller != "linuxcnc" && !case.is_of("fanuc");
+            if is_exact && case.policy == Some("two-tables") && case.old_spacing > 49.0 {
+                let left = new.forecast.max_residual_um();
+                assert!(left < 0.01, "{left}");
+            }
             // Means and one-way curves are checked by what is forecast alone.
             if matches!(case.policy, None | Some("two-tables")) {
                 compared += points_hold_the_sum(&case, &found, &old, &new);

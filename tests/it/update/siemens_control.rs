@@ -133,19 +133,6 @@ fn first_cec(control: &Control) -> SiemensTable {
     control.tables.cec().next().unwrap().clone()
 }
 
-/// What the person does whom the preconditions of the kit tell so.
-fn do_by_hand(control: &mut Control, new: &Kit) {
-    for precondition in &new.compiled.preconditions {
-        let datum = precondition.what.split_once(" $").map_or("", |(_, datum)| datum);
-        let key = datum.split(" and ").next().unwrap();
-        let value = precondition.value.split(' ').next().unwrap().parse();
-        let is_now = control.data.contains_key(key) && !precondition.value.contains("while");
-        if let Some(value) = value.ok().filter(|_| is_now) {
-            control.set(key, value);
-        }
-    }
-}
-
 #[test]
 fn the_way_back_on_siemens_brings_back_what_acted() {
     let profile = builtin::profile("siemens-840d-sl").unwrap();
@@ -162,7 +149,16 @@ fn the_way_back_on_siemens_brings_back_what_acted() {
         for role in [Role::Disable, Role::Table, Role::Enable] {
             control.load(of(role));
         }
-        do_by_hand(&mut control, &new);
+        // What a person does whom the preconditions of the kit tell so.
+        for precondition in &new.compiled.preconditions {
+            let datum = precondition.what.split_once(" $").map_or("", |(_, datum)| datum);
+            let key = datum.split(" and ").next().unwrap();
+            let value = precondition.value.split(' ').next().unwrap().parse();
+            let is_now = control.data.contains_key(key) && !precondition.value.contains("while");
+            if let Some(value) = value.ok().filter(|_| is_now) {
+                control.set(key, value);
+            }
+        }
         let state = &found.active.as_ref().unwrap().state;
         let acts = |control: &Control| control.acts(&profile, state);
         assert_ne!(acts(&control), acts(&before));
