@@ -267,16 +267,6 @@ fn the_source_is_found_in_the_comments_only() {
     assert_eq!(source_of("# source: x sha256 abc\n"), None);
 }
 
-/// Reversal B = mean of + less mean of −, µm.
-fn reversal_um(table: &str) -> f64 {
-    let mean = |begin: &str| {
-        let own = table.lines().filter(|row| row.starts_with(begin));
-        let value = |row: &str| row.split(',').nth(3).unwrap().parse::<f64>().unwrap();
-        own.clone().map(value).sum::<f64>() / own.count() as f64
-    };
-    mean("x,+,") - mean("x,-,")
-}
-
 /// A number beyond all numbers is none (found by fuzzing: "inf °C").
 #[test]
 fn a_temperature_beyond_all_numbers_is_not_told() {
@@ -292,7 +282,12 @@ fn turned_targets_keep_the_reversal_of_the_machine() {
     let rtl = "HEADER::\nFile type : rtl\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\n\
         Flags: 0 0 2 0\nRUNS::\nRun-count: 2\nDEVIATIONS::\n1 1 -2\n1 2 -2\n2 2 2\n2 1 2\nEOF::\n";
     let text = table("x.rtl", rtl, &laser(500.0, way));
-    assert!((reversal_um(&text) + 4.0).abs() < 1e-9, "{text}");
+    let mean_um = |begin: &str| {
+        let own = text.lines().filter(|row| row.starts_with(begin));
+        let value = |row: &str| row.split(',').nth(3).unwrap().parse::<f64>().unwrap();
+        own.clone().map(value).sum::<f64>() / own.count() as f64
+    };
+    assert!((mean_um("x,+,") - mean_um("x,-,") + 4.0).abs() < 1e-9, "{text}");
     // In the columns `+` is the outward run, which moves the axis −.
     let stated = Stated {
         travel: None,

@@ -8,16 +8,13 @@ fn with_words(line: &str, section: &mut String) -> (String, Option<(&'static str
     let bare = line.split_once(" # ").map_or(line, |(bare, _)| bare).trim_end();
     let header = bare.trim_matches(['[', ']']);
     let one = header.strip_suffix(".x").filter(|one| one.ends_with(".axes")).unwrap_or(header);
-    let (of, name) = match bare.starts_with('[') {
-        true => one.rsplit_once('.').unwrap_or_default(),
-        false => {
-            (section.as_str(), bare.trim_start_matches("# ").split(['=', ' ']).next().unwrap())
-        }
+    let (of, name) = if bare.starts_with('[') {
+        *section = header.to_string();
+        one.rsplit_once('.').unwrap_or_default()
+    } else {
+        (section.as_str(), bare.trim_start_matches("# ").split(['=', ' ']).next().unwrap())
     };
     let told = keys().find(|(own, key)| (*own, key.name) == (of, name));
-    if bare.starts_with('[') {
-        *section = header.to_string();
-    }
     let words = told.map(|(_, key)| format!("{bare:<34} # {}", key.words.trim_start()));
     (words.unwrap_or_else(|| line.to_string()), told)
 }

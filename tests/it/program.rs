@@ -86,11 +86,6 @@ impl Case {
     fn kit(&self) -> ProgramKit {
         self.made().unwrap_or_else(|p| panic!("{}\n{}", p.render(), self.job()))
     }
-
-    fn judged(&self, files: &[ProgramFile]) -> Result<(), Problems> {
-        let (job, profile) = (self.read(), builtin::profile(self.control).unwrap());
-        judge(RunTask::of(&job, &profile).unwrap(), files).map(|_| ())
-    }
 }
 
 /// A step diagonal on one of two controls, with further keys.
@@ -237,7 +232,9 @@ fn the_walk_finds_what_is_wrong_with_a_program_its_readings_and_positions() {
             let file = files.iter_mut().find(|file| file.path == path).unwrap();
             let before = String::from_utf8(file.bytes.clone()).unwrap();
             file.bytes = replaced(&before, from, to).into_bytes();
-            let said = case.judged(&files).expect_err("the walk must find it").render();
+            let (job, profile) = (case.read(), builtin::profile(case.control).unwrap());
+            let found = judge(RunTask::of(&job, &profile).unwrap(), &files).map(|_| ());
+            let said = found.expect_err("the walk must find it").render();
             assert!(said.contains(words), "{from} -> {to}:\n{said}");
         }
     }

@@ -110,6 +110,22 @@ fn volumetric_accuracy_of_machine_h() {
     }
 }
 
+/// The same machine aligned differently: VA follows the frame (docs/volume.md, 3).
+#[test]
+fn machine_h_in_other_frames() {
+    let map = machine_h([13, 9, 7]);
+    for (of, along, slope, va_um) in [(0, 1, -77.0, 1281.8443665), (0, 2, 181.0, 2243.6426694)] {
+        let turned = (0..map.count()).map(|n| {
+            let [i, j, k] = map.node(n).map(|n| n as f64);
+            let (place_m, mut error) = ([i, j / 2.0, k / 3.0], map.at(map.node(n)));
+            error[of] -= slope * place_m[along];
+            error[along] += slope * place_m[of];
+            error
+        });
+        close(diameter::longest(&turned.collect::<Vec<_>>()).unwrap().um(), va_um, 1e-6);
+    }
+}
+
 #[test]
 fn length_error_of_machine_h() {
     let even = |n: u32, size: f64| -> Vec<f64> {

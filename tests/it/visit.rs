@@ -261,13 +261,6 @@ fn with_lost_motion() -> String {
     text
 }
 
-/// Lost motion of an axis at its start, from the separated curves of both directions.
-fn lost_motion(found: &Value, axis: &str) -> f64 {
-    let start =
-        |sign: &str| number(&found["errors"][format!("E{axis}{axis}{sign}")]["deviation_um"][0]);
-    start("-") - start("+")
-}
-
 /// Neither forward runs nor runs with overrun tell it; the linear axes of the same job do, and the kit takes it away.
 #[test]
 fn linear_axes_in_both_directions_tell_the_reversal() {
@@ -288,7 +281,9 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         let found = visit.json("separate job.toml --trials 0");
         assert!(found["labels"].to_string().contains("reversal of single axes from their linear"));
         for (axis, lost) in [("X", 6.0), ("Y", 4.0), ("Z", 3.0)] {
-            let b = lost_motion(&found, axis);
+            let errors = &found["errors"];
+            let at_start = |way| number(&errors[format!("E{axis}{axis}{way}")]["deviation_um"][0]);
+            let b = at_start("-") - at_start("+");
             assert!((b - lost).abs() < 0.6, "{axis}: {b}");
         }
         assert!(!found["undetermined"].to_string().contains("reversal"), "{found:#}");
