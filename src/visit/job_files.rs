@@ -11,7 +11,7 @@ use crate::judge::causes::Slip;
 use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
 use crate::machine::separation::campaign::{self, NamedTables};
-use crate::machine::separation::readings::{Noise, figures, repeats, walks};
+use crate::machine::separation::readings::{Noise, figures, walks};
 use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::table::{self, ErrorSource};
 use crate::machine::separation::{self, Campaign, Separation};
@@ -320,15 +320,12 @@ impl CampaignFiles {
         let mut walks = walks(&result.runs);
         walks.sort_by_key(|walk| walk.diagonal);
         let fewest = walks.iter().map(|walk| walk.runs).fold(f64::INFINITY, f64::min);
-        let stated = self.job.measurement.uncertainty.noise_um;
-        let (repeated, _) = repeats(&result.runs);
-        let sigma_um = repeated.map(|noise| noise.sigma_um).or(stated);
         Ok(StraightRuns {
             volume: self.measurement.volume.clone(),
             walks,
             range_um: PerDiagonal::from_fn(|d| figures[d].range_um),
-            u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
-            degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
+            u_um: result.noise.map(|noise| noise.sigma_um / fewest.sqrt()),
+            degrees_of_freedom: result.noise.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.of_length_ppm(),
             laser_um_per_m: self.job.measurement.uncertainty.of_laser_ppm(),
             labels: result.labels,

@@ -270,9 +270,8 @@ pub(super) fn of_job(on: &dyn Files, path: &Path) -> Result<DiagonalPage, Proble
             (separation.zeroed_runs, separation.runs.len())
         }
         PathKind::Straight => {
-            let runs = files.straight()?.runs;
-            let all = runs.len();
-            (runs, all)
+            let found = files.straight()?;
+            (found.zeroed_runs, found.runs.len())
         }
     };
     let figures = by_standard(&measurement.volume, measurement.kind, &runs, true)?;
