@@ -132,7 +132,7 @@ fn not_determined(job: &Job, kit: &ProgramKit) -> String {
 fn files(kit: &ProgramKit) -> String {
     let programs = kit.run.programs.iter().zip(&kit.files);
     let rows = programs.map(|(program, file)| {
-        let (subject, readings) = (program.subject.name(), program.readings.len());
+        let (subject, readings) = (program.subject, program.readings.len());
         format!("{}\t{subject}\t{readings}", file.path)
     });
     table("program\tmeasures\t>readings", rows)

@@ -10,9 +10,9 @@ use crate::control::controller::{ControlUnit, Evidence, Profile};
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::kit::manifest::{self, HashedFile, SCHEMA};
 use crate::kit::sha256;
-use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis, rounded};
+use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis, rounded};
 use crate::read::program::walk::{
-    self as readback_positions, Bounds, Named as SetUp, Position, Walked, form_differences, walk,
+    self as readback_positions, Bounds, Position, Walked, form_differences, walk,
 };
 use crate::read::program::{Cancelled, OwnWords, read};
 use crate::text::{Finding, Named, Problem, Problems};
@@ -74,7 +74,7 @@ impl Listed {
         Listed {
             path: file.path.clone(),
             role: file.role,
-            of: program.map(|program| program.subject.name()),
+            of: program.map(|program| program.subject.to_string()),
             readings: program.map(|program| program.readings.len()),
             sha256: sha256(&file.bytes),
         }
@@ -250,14 +250,14 @@ fn position_differences(rows: &[Position], task: RunTask<'_>) -> Vec<String> {
     (read != wanted).then_some(count).into_iter().chain(wrong).take(MOST + 1).collect()
 }
 
-type Key = (SetUp, u32, Pass, usize);
+type Key = (LaserPath, u32, Pass, usize);
 
 /// Diagonal, run, direction and node of every reading in the order of the files of readings.
 fn order(request: &ProgramRequest) -> Vec<Key> {
     let volume = &request.volume;
-    let (set_ups, last): (Vec<SetUp>, usize) = match request.what.path() {
-        Some(kind) => (Diagonal::ALL.map(SetUp::Diagonal).to_vec(), volume.last_node(kind)),
-        None => (request.axes.iter().copied().map(SetUp::Axis).collect(), volume.steps),
+    let (set_ups, last): (Vec<LaserPath>, usize) = match request.what.path() {
+        Some(kind) => (Diagonal::ALL.map(LaserPath::Diagonal).to_vec(), volume.last_node(kind)),
+        None => (request.axes.iter().copied().map(LaserPath::Axis).collect(), volume.steps),
     };
     let back = (0..=last).rev().filter(|_| request.bidirectional);
     let there = (0..=last).map(|node| (Pass::Forward, node));
@@ -272,7 +272,7 @@ fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
     let (request, digit_mm) = (task.request, task.resolution().digit_mm());
     let close = |a: f64, b: f64, slack: f64| (a - b).abs() <= slack;
     match (row.of, request.what.path()) {
-        (SetUp::Diagonal(diagonal), Some(kind)) => {
+        (LaserPath::Diagonal(diagonal), Some(kind)) => {
             let place = request.volume.place(diagonal, kind, row.node);
             let nominal = request.volume.nominal_mm(diagonal, kind, row.node);
             let moved =
@@ -281,7 +281,7 @@ fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
                 && close(row.nominal_mm, nominal, 1e-6)
                 && place.iter().all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
         }
-        (SetUp::Axis(axis), None) => {
+        (LaserPath::Axis(axis), None) => {
             let equal = request.volume.start[axis].mm() + request.volume.along_mm(axis, row.node);
             let step = request.volume.step_mm(axis);
             let slack = match request.targets {

@@ -17,12 +17,12 @@ mod route;
 mod run;
 
 pub use self::run::{
-    Digits, MeasuringRun, MirrorSize, Move, PlannedReading, RunTask, SetUpProgram, Subject,
+    Digits, MeasuringRun, MirrorSize, Move, PlannedReading, RunTask, SetUpProgram,
 };
 
 use crate::control::controller::{ControlUnit, KitFile};
 use crate::inputs::job::{Job, ProgramRequest, Reflector, RunType, TargetGrid};
-use crate::quantity::{Axis, Direction, Pass, PerAxis};
+use crate::quantity::{Axis, Direction, LaserPath, Pass, PerAxis};
 use crate::text::{Finding, Problem, Problems, findings, shown, words};
 use crate::write::control_text::{
     COMMENT_TEXT, Seen, ascii, fixed, is_comment_text, seen, trimmed,
@@ -155,7 +155,7 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
 fn context(task: RunTask<'_>, program: &SetUpProgram, number: u32) -> Seen {
     let RunTask { request, facts, .. } = task;
     let unit = task.resolution().unit;
-    let name = program.subject.name();
+    let name = program.subject.to_string();
     let start = program.places().first().copied().unwrap_or_default();
     let [plane, height] = approach(task, &start);
     let tool_axis = facts.axis_letters.value.get(2).map_or("", String::as_str);
@@ -194,7 +194,7 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<S
         },
     };
     let lines = [
-        format!("MEASURING RUN {}: {}", request.what.word(), program.subject.name()),
+        format!("MEASURING RUN {}: {}", request.what.word(), program.subject),
         format!("MACHINE {}", ascii(&job.machine.name)),
         format!("SERIAL {serial}"),
         format!("MADE BY {TOOL} FOR {}", ascii(&profile.name)),
@@ -240,7 +240,7 @@ fn words(task: RunTask<'_>, of: &PerAxis<Digits>, wanted: impl Fn(Axis) -> bool)
 fn render(task: RunTask<'_>, number: u32, program: &SetUpProgram) -> Result<ProgramFile, Problems> {
     let RunTask { profile, facts, .. } = task;
     let stem = match facts.language.facts().numbered {
-        None => format!("NONIUS_{}", program.subject.name()),
+        None => format!("NONIUS_{}", program.subject),
         Some(_) => format!("O{number:04}"),
     };
     let seen = engine_context(&context(task, program, number));
@@ -252,14 +252,11 @@ fn render(task: RunTask<'_>, number: u32, program: &SetUpProgram) -> Result<Prog
 
 /// Expected positions: one row for each reading, in the order in which they are taken.
 pub fn positions(run: &MeasuringRun) -> ProgramFile {
-    let of_diagonals = run.programs.iter().any(|p| matches!(p.subject, Subject::Diagonal(_)));
+    let of_diagonals = run.programs.iter().any(|p| matches!(p.subject, LaserPath::Diagonal(_)));
     let subject = if of_diagonals { "diagonal" } else { "axis" };
     let mut text = format!("{subject},run,direction,node,moved,nominal_mm,x_mm,y_mm,z_mm,block\n");
     for program in &run.programs {
-        let name = match program.subject {
-            Subject::Diagonal(diagonal) => diagonal.name().to_string(),
-            Subject::Axis(axis) => axis.key().to_string(),
-        };
+        let name = program.subject.name();
         for (index, reading) in program.readings.iter().enumerate() {
             let place = reading.place.iter().map(|(_, d)| shortest(run.resolution.mm(*d)));
             let place: Vec<String> = place.collect();
@@ -305,14 +302,14 @@ pub(crate) fn readings_to_fill(run: &MeasuringRun) -> Vec<ProgramFile> {
 fn form_of(program: &SetUpProgram) -> (String, &'static str) {
     let diagonals = "readings.csv".to_string();
     match program.subject {
-        Subject::Axis(axis) => {
+        LaserPath::Axis(axis) => {
             let path = format!("readings-{}.csv", axis.key());
             (path, "target_mm,run,direction,deviation_um\n")
         }
-        Subject::Diagonal(_) if is_stepped(program) => {
+        LaserPath::Diagonal(_) if is_stepped(program) => {
             (diagonals, "diagonal,run,direction,node,moved,displacement_mm\n")
         }
-        Subject::Diagonal(_) => (diagonals, "diagonal,run,direction,node,displacement_mm\n"),
+        LaserPath::Diagonal(_) => (diagonals, "diagonal,run,direction,node,displacement_mm\n"),
     }
 }
 
@@ -324,7 +321,7 @@ fn is_stepped(program: &SetUpProgram) -> bool {
 fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: LengthDigit) -> String {
     let PlannedReading { run, node, pass, .. } = reading;
     match program.subject {
-        Subject::Axis(axis) => {
+        LaserPath::Axis(axis) => {
             let target = shortest(resolution.mm(reading.place[axis]));
             let direction = match pass {
                 Pass::Forward => Direction::Plus,
@@ -332,7 +329,7 @@ fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: Lengt
             };
             format!("{target},{run},{},\n", direction.symbol())
         }
-        Subject::Diagonal(of) => {
+        LaserPath::Diagonal(of) => {
             let moved = reading.moved.map_or("", Axis::key);
             let moved = if is_stepped(program) { format!("{moved},") } else { String::new() };
             format!("{of},{run},{},{node},{moved}\n", pass.word())

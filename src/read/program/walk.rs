@@ -1,7 +1,7 @@
 //! The expected positions, read back with the files of readings that belong to them; and a walk along a program,
 //! which says where it is not what they ask for.
 
-use crate::quantity::{Axis, Diagonal, Direction, Figure, Pass, PerAxis};
+use crate::quantity::{Axis, Diagonal, Direction, Figure, LaserPath, Pass, PerAxis};
 use crate::read::lexer::{Complaint, located};
 use crate::read::program::blocks::{Action, Cancelled, Step};
 use crate::text::{Problem, Problems};
@@ -264,20 +264,11 @@ impl Walker<'_> {
 
 // The expected positions, read back, and the files of readings that belong to them.
 
-/// What a set-up measures, as it is named in the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Named {
-    /// A body diagonal.
-    Diagonal(Diagonal),
-    /// A single axis.
-    Axis(Axis),
-}
-
 /// One row: where a reading is taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Position {
     /// Diagonal or axis.
-    pub of: Named,
+    pub of: LaserPath,
     /// Number of the run.
     pub run: u32,
     /// Forward or reverse.
@@ -292,26 +283,6 @@ pub struct Position {
     pub place: PerAxis<f64>,
     /// Number of the block that stands still there.
     pub block: u32,
-}
-
-impl Named {
-    /// As it stands in the files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Named::Diagonal(diagonal) => diagonal.name(),
-            Named::Axis(axis) => axis.key(),
-        }
-    }
-
-    /// Direction in which an axis travels on a pass; `None` = it rests.
-    pub(crate) fn travelled(self, axis: Axis, pass: Pass) -> Option<Direction> {
-        match (self, pass) {
-            (Named::Diagonal(diagonal), pass) => Some(diagonal.travelled(axis, pass)),
-            (Named::Axis(moving), _) if moving != axis => None,
-            (Named::Axis(_), Pass::Forward) => Some(Direction::Plus),
-            (Named::Axis(_), Pass::Reverse) => Some(Direction::Minus),
-        }
-    }
 }
 
 /// Reads the file.
@@ -331,8 +302,8 @@ fn row(line: &str) -> Option<Position> {
     let [of, run, pass, node, moved, nominal, x, y, z, block] = cells.try_into().ok()?;
     let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
     let of = match (Diagonal::from_name(of), Axis::from_letter(of)) {
-        (Some((diagonal, Pass::Forward)), _) => Named::Diagonal(diagonal),
-        (_, Some(axis)) => Named::Axis(axis),
+        (Some((diagonal, Pass::Forward)), _) => LaserPath::Diagonal(diagonal),
+        (_, Some(axis)) => LaserPath::Axis(axis),
         _ => return None,
     };
     let [x, y, z] = [x, y, z].map(number);
@@ -355,7 +326,7 @@ fn row(line: &str) -> Option<Position> {
 /// Single axes have a file each; all diagonals are in one.
 pub(crate) fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String> {
     let same_file = |a: &Position, b: &Position| match (a.of, b.of) {
-        (Named::Axis(a), Named::Axis(b)) => a == b,
+        (LaserPath::Axis(a), LaserPath::Axis(b)) => a == b,
         _ => true,
     };
     let groups: Vec<&[Position]> = rows.chunk_by(same_file).collect();
@@ -385,13 +356,13 @@ fn is_form_of(rows: &[Position], form: &[u8]) -> bool {
 fn asks_for(row: &Position, line: &str, has_moved: bool) -> bool {
     let Position { run, pass, node, .. } = row;
     match row.of {
-        Named::Axis(axis) => {
+        LaserPath::Axis(axis) => {
             let direction = row.of.travelled(axis, *pass).map_or("", Direction::symbol);
             line.split_once(',').is_some_and(|(target, rest)| {
                 target.parse() == Ok(row.place[axis]) && rest == format!("{run},{direction},")
             })
         }
-        Named::Diagonal(diagonal) => {
+        LaserPath::Diagonal(diagonal) => {
             let moved = row.moved.map_or("", Axis::key);
             let moved = match has_moved {
                 true => format!(",{moved}"),

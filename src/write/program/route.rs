@@ -2,14 +2,14 @@
 //! one set-up, in both directions.
 
 use crate::inputs::job::{ProgramRequest, RunType, TargetGrid, WayBack};
-use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis};
+use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis};
 use crate::text::Problems;
 use crate::write::grid::{LengthDigit, whole};
-use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram, Subject};
+use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram};
 
 /// The nodes of a set-up along the forward path.
 struct Route {
-    subject: Subject,
+    subject: LaserPath,
     nodes: Vec<PerAxis<Digits>>,
     moved: Vec<Option<Axis>>,
     nominal_mm: Vec<f64>,
@@ -53,7 +53,7 @@ fn along_diagonal(
     };
     let nodes = 0..=volume.last_node(kind);
     Route {
-        subject: Subject::Diagonal(diagonal),
+        subject: LaserPath::Diagonal(diagonal),
         nodes: nodes.clone().map(node).collect(),
         moved: nodes.clone().map(moved).collect(),
         nominal_mm: nodes.map(|node| volume.nominal_mm(diagonal, kind, node)).collect(),
@@ -69,7 +69,7 @@ fn along_axis(scale: &Scale, axis: Axis) -> Route {
     };
     let moved = |node: usize| (node > 0).then_some(axis);
     Route {
-        subject: Subject::Axis(axis),
+        subject: LaserPath::Axis(axis),
         nodes: targets.iter().map(place).collect(),
         moved: (0..targets.len()).map(moved).collect(),
         nominal_mm: targets.iter().map(|target| scale.resolution.mm(target - first)).collect(),
@@ -96,7 +96,7 @@ impl Walk<'_> {
         if self.request.alignment_pass {
             self.align(before);
         }
-        let name = self.route.subject.name();
+        let name = self.route.subject;
         let zero = format!("{name} NODE 0: ZERO THE LASER, CYCLE START");
         self.moves.push(Move::Stop(zero));
         for run in 1..=self.request.runs {
@@ -107,7 +107,7 @@ impl Walk<'_> {
 
     /// To the far end and back, straight, with a halt at both ends; again through the preload.
     fn align(&mut self, before: PerAxis<Digits>) {
-        let name = self.route.subject.name();
+        let name = self.route.subject;
         let halt = |end: &str| Move::Stop(format!("{name} {end} END: ALIGN, CYCLE START"));
         self.moves.push(halt("NEAR"));
         self.to(self.route.nodes[self.route.nodes.len() - 1]);
@@ -118,7 +118,7 @@ impl Walk<'_> {
 
     /// One run, from node 0 in its forward direction to the place where the next one begins.
     fn run(&mut self, run: u32) {
-        let name = self.route.subject.name();
+        let name = self.route.subject;
         let last = self.route.nodes.len() - 1;
         self.moves.push(Move::Remark(format!("{name} RUN {run} FORWARD")));
         self.read(run, Pass::Forward, 0);

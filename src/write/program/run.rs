@@ -3,7 +3,7 @@
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Profile, builtin};
 use crate::inputs::job::{Job, ProgramRequest, RunType};
-use crate::quantity::{Axis, Diagonal, Pass, PathKind, PerAxis, Squared, unit};
+use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis, Squared, unit};
 use crate::text::{Finding, Problem};
 use crate::write::control_text::with_point;
 use crate::write::grid::{LengthDigit, as_number, whole};
@@ -58,25 +58,6 @@ impl LengthDigit {
     }
 }
 
-/// What one program measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
-    /// A body diagonal.
-    Diagonal(Diagonal),
-    /// A single axis along its length.
-    Axis(Axis),
-}
-
-impl Subject {
-    /// `PPP` … or `X` ….
-    pub fn name(self) -> String {
-        match self {
-            Subject::Diagonal(diagonal) => diagonal.name().to_string(),
-            Subject::Axis(axis) => axis.to_string(),
-        }
-    }
-}
-
 /// One standstill that is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedReading {
@@ -113,7 +94,7 @@ pub enum Move {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetUpProgram {
     /// What it measures.
-    pub subject: Subject,
+    pub subject: LaserPath,
     /// Its moves in order.
     pub moves: Vec<Move>,
     /// Its readings in order.

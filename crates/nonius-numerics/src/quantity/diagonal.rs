@@ -299,6 +299,41 @@ pub struct Run {
     pub temperatures_c: PerAxis<Option<Vec<f64>>>,
 }
 
+/// What a set-up of the laser measures along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LaserPath {
+    /// A body diagonal.
+    Diagonal(Diagonal),
+    /// A single axis.
+    Axis(Axis),
+}
+
+impl LaserPath {
+    /// `PPP` …, or `x` …, as files have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            LaserPath::Diagonal(diagonal) => diagonal.name(),
+            LaserPath::Axis(axis) => axis.key(),
+        }
+    }
+
+    /// Direction in which an axis travels on a pass; `None` = it rests.
+    pub fn travelled(self, axis: Axis, pass: Pass) -> Option<Direction> {
+        match (self, pass) {
+            (LaserPath::Diagonal(diagonal), pass) => Some(diagonal.travelled(axis, pass)),
+            (LaserPath::Axis(moving), _) if moving != axis => None,
+            (LaserPath::Axis(_), Pass::Forward) => Some(Direction::Plus),
+            (LaserPath::Axis(_), Pass::Reverse) => Some(Direction::Minus),
+        }
+    }
+}
+
+impl fmt::Display for LaserPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name().to_uppercase())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

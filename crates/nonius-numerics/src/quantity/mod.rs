@@ -12,7 +12,7 @@ mod units;
 pub use self::axis::{Axis, Direction, ErrorTerm, Listed, PerAxis, PerTerm, Rotation};
 pub use self::chain::{Chain, LeverEffect, displaced, unit};
 pub use self::curve::{ErrorCurve, Interpolation, JUMP_MM};
-pub use self::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+pub use self::diagonal::{Diagonal, LaserPath, Pass, PathKind, PerDiagonal, Run, Volume};
 pub use self::fit::{Fit, Nodes, residual, table_values};
 pub use self::pitch::USUAL_MM;
 pub use self::plane::{PerPlane, Plane};
