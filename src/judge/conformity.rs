@@ -16,10 +16,10 @@
 //! (Šidák, J. Amer. Statist. Assoc. 62 (1967) 626–633). Where σ was estimated, all share its
 //! error: the product is averaged over χ² (multivariate Student). Nothing is drawn by chance.
 
-use crate::machine::separation::readings::NORMAL_ONE_SIDED;
+use crate::machine::separation::readings::student;
 use crate::quantity::larger;
 use crate::text::words;
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::erf::erfc;
 use std::sync::Arc;
 
@@ -87,10 +87,7 @@ impl Sigma {
 
     /// Factor of a one-sided statement on a single figure: 1.645, more where σ is an estimate.
     pub(crate) fn one_sided(&self) -> f64 {
-        let Some(freedom) = self.freedom else {
-            return NORMAL_ONE_SIDED;
-        };
-        StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(CONFIDENCE))
+        student(CONFIDENCE, self.freedom)
     }
 
     /// Factor c with which |deviate| ≤ c·u holds for `count` figures together, with 95 % or more.

@@ -242,7 +242,7 @@ fn anomalies(
 ) -> Vec<Vec<Vec<f64>>> {
     let layout = start.model.layout;
     let single = |place: usize, size: f64| {
-        let mut column = vec![0.0; layout.len()];
+        let mut column = vec![0.0; layout.entries()];
         column[place] = size;
         column
     };

@@ -2,6 +2,7 @@
 //! can differ. No file, no control, no job.
 #![doc = include_str!("../README.md")]
 
+pub mod banded;
 pub mod quantity;
 pub mod rows;
 pub mod space;

@@ -66,13 +66,12 @@ impl Layout {
         let walks = Diagonal::ALL.repeat(self.passes).into_iter();
         let nodes = walks.flat_map(|d| (0..self.nodes).map(move |node| (d, node)));
         let mut column: Vec<f64> = nodes.map(|(d, node)| of(d, node)).collect();
-        column.resize(self.len(), 0.0);
+        column.resize(self.entries(), 0.0);
         column
     }
 
     /// How many entries there are.
-    #[expect(clippy::len_without_is_empty, reason = "a measurement has readings")]
-    pub fn len(self) -> usize {
+    pub fn entries(self) -> usize {
         self.neglected(4 + self.lines) + self.apart
     }
 }
@@ -276,7 +275,7 @@ impl Model {
 
     /// What each entry of z and a unit of each cause make of a figure.
     pub fn weights(&self, row: &Row) -> Weights {
-        let mut dense = vec![0.0; self.layout.len()];
+        let mut dense = vec![0.0; self.layout.entries()];
         row.0.iter().for_each(|(place, weight)| dense[*place] += weight);
         let entries = dense.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
         let row = Row(entries.collect());
@@ -398,23 +397,14 @@ impl CurveRows {
         values
     }
 
-    fn fill(&self, z: &[f64], line_um: f64, values: &mut [f64]) {
+    /// The same into a list of as many values.
+    pub fn fill(&self, z: &[f64], line_um: f64, values: &mut [f64]) {
         let last = self.steps.len().max(1) as f64;
         let mut sum = self.start.dot(z);
         values[0] = sum;
         for (index, step) in self.steps.iter().enumerate() {
             sum += step.dot(z);
             values[index + 1] = sum + line_um * (index + 1) as f64 / last;
-        }
-    }
-
-    /// The values of curves of as many steps, one after the other, for these entries.
-    pub fn all_values<'a>(curves: impl Iterator<Item = &'a CurveRows>, z: &[f64], all: &mut [f64]) {
-        let mut rest = all;
-        for curve in curves {
-            let (own, others) = rest.split_at_mut(curve.steps.len() + 1);
-            curve.fill(z, curve.line.dot(z), own);
-            rest = others;
         }
     }
 
@@ -463,7 +453,7 @@ pub fn add(sum: &mut [f64], times: f64, part: &[f64]) {
 pub fn largest(values: &[f64], times: f64, u: &[f64]) -> f64 {
     let (values, u) = (values.as_chunks::<LANES>(), u.as_chunks::<LANES>());
     let rest = values.1.iter().zip(u.1).map(|(value, u)| value.abs() + times * u);
-    let mut most = [rest.fold(0.0, |most, own| if own > most { own } else { most }); LANES];
+    let mut most = [rest.fold(0.0, f64::max); LANES];
     for (values, u) in values.0.iter().zip(u.0) {
         for lane in 0..LANES {
             let own = values[lane].abs() + times * u[lane];
@@ -471,78 +461,4 @@ pub fn largest(values: &[f64], times: f64, u: &[f64]) -> f64 {
         }
     }
     most.into_iter().fold(0.0, f64::max)
-}
-
-/// The Cholesky factor of a symmetric, positive definite matrix with entries near its diagonal only.
-pub struct Banded {
-    /// How far below the diagonal entries lie.
-    reach: usize,
-    /// Its lower half, row after row, each from so far before the diagonal on.
-    lower: Vec<f64>,
-}
-
-impl Banded {
-    /// Of the sum of entries by row and column, of which the upper half is not needed; `None` where the matrix is not
-    /// positive definite.
-    pub fn factor(
-        (size, reach): (usize, usize),
-        entries: impl Iterator<Item = (usize, usize, f64)>,
-    ) -> Option<Banded> {
-        let mut found = Banded { reach, lower: vec![0.0; (reach + 1) * size] };
-        for (row, column, value) in entries.filter(|(row, column, _)| column <= row) {
-            let at = found.at(row, column);
-            found.lower[at] += value;
-        }
-        for row in 0..size {
-            let first = row.saturating_sub(reach);
-            for column in first..=row {
-                let of = |row| &found.lower[found.at(row, first)..found.at(row, column)];
-                let known = of(row).iter().zip(of(column)).map(|(a, b)| a * b);
-                let at = found.at(row, column);
-                let rest = found.lower[at] - known.sum::<f64>();
-                found.lower[at] = match column < row {
-                    true => rest / found.lower[found.at(column, column)],
-                    false => Some(rest.sqrt()).filter(|_| rest > 0.0)?,
-                };
-            }
-        }
-        Some(found)
-    }
-
-    /// Where an entry stands.
-    fn at(&self, row: usize, column: usize) -> usize {
-        row * self.reach + self.reach + column
-    }
-
-    /// The solution of matrix · x = `right`.
-    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let (mut x, lower) = (right.to_vec(), &self.lower);
-        for row in 0..x.len() {
-            let (first, own) = (row.saturating_sub(self.reach), self.at(row, row));
-            let before = lower[self.at(row, first)..own].iter().zip(&x[first..]);
-            let known: f64 = before.map(|(by, x)| by * x).sum();
-            x[row] = (x[row] - known) / lower[own];
-        }
-        for row in (0..x.len()).rev() {
-            let (own, behind) = (self.at(row, row), x[row + 1..].iter());
-            let column = lower[own..].iter().step_by(self.reach.max(1)).skip(1);
-            let known: f64 = column.zip(behind.take(self.reach)).map(|(by, x)| by * x).sum();
-            x[row] = (x[row] - known) / lower[own];
-        }
-        x
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_small_system_is_solved() {
-        // [4 2 0; 2 5 1; 0 1 3] · [1 2 3] = [8 15 11]
-        let entries = [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)];
-        let factor = Banded::factor((3, 1), entries.into_iter()).expect("positive definite");
-        let x = factor.solve(&[8.0, 15.0, 11.0]);
-        assert!(x.iter().zip([1.0, 2.0, 3.0]).all(|(x, known)| (x - known).abs() < 1e-12));
-    }
 }

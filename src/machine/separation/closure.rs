@@ -27,7 +27,8 @@ use crate::machine::findings::SeparationFinding as Found;
 use crate::quantity::{Axis, PerAxis, Squared, Volume};
 use crate::text::Finding;
 use nalgebra::{DVector, Matrix3, Vector3};
-use nonius_numerics::rows::{Banded, Layout, Model, Row};
+use nonius_numerics::banded::Banded;
+use nonius_numerics::rows::{Layout, Model, Row};
 use serde::Serialize;
 
 /// More disturbed readings are counted in the doubts; the result lists them.
@@ -250,7 +251,7 @@ impl Patterns {
         let places: Vec<_> = places.collect();
         let rows = places.iter().map(|(group, axis, at)| start.closure(*group, *axis, *at));
         let rows: Vec<Row> = rows.collect();
-        let mut effects = vec![Vec::new(); layout.len()];
+        let mut effects = vec![Vec::new(); layout.entries()];
         for (index, row) in rows.iter().enumerate() {
             row.0.iter().for_each(|(place, weight)| effects[*place].push((index, *weight)));
         }

@@ -125,7 +125,7 @@ pub fn simulate(
     });
     let all: Vec<_> = curves.chain(planes).collect();
     let sigmas = separation.model.drawn();
-    let mut noise = vec![0.0; separation.model.layout.len()];
+    let mut noise = vec![0.0; separation.model.layout.entries()];
     let estimates: Vec<f64> = all.iter().map(|(.., of)| of(&noise)).collect();
     let mut trials = vec![Vec::with_capacity(plan.trials); all.len()];
     for trial in 0..plan.trials {

@@ -86,7 +86,7 @@ impl<'a> Start<'a> {
         };
         let (mut z, counts) = means(walks);
         z.extend(lines.map(|line| line.slope_um_per_m));
-        z.resize(layout.len(), 0.0);
+        z.resize(layout.entries(), 0.0);
         Start {
             campaign,
             model: model(campaign, material, layout),

@@ -27,9 +27,8 @@ use crate::inputs::error_table::{ErrorTable, Kind, Silence};
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Diagonal, ErrorTerm, Pass, PathKind, PerDiagonal, Run, Squared, Volume};
 use crate::text::{Finding, Problem, Problems};
-use nonius_numerics::rows::Row;
+use nonius_numerics::rows::{Row, student};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal};
 
 /// How often machines that agree are to fail the closure test.
 const FALSE_ALARM: f64 = 0.05;
@@ -157,7 +156,7 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     found.tests.sort_by_key(|test| test.diagonal);
     // k of a test of so many differences together.
     let differences = float((found.tests.len() * start.volume().steps).max(1));
-    found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
+    found.k = student(1.0 - FALSE_ALARM / (2.0 * differences), None);
     let ratios: Option<Vec<f64>> = found.tests.iter().map(|test| test.worst_ratio).collect();
     found.agrees = ratios.map(|ratios| ratios.iter().all(|ratio| *ratio <= found.k));
     Ok(found)

@@ -24,7 +24,7 @@ pub(super) fn model(campaign: &Campaign<'_>, material: Option<Material>, layout:
     let volume = &measurement.volume;
     let [of_setup, of_beam] =
         [stated.setup_ppm.unwrap_or(0.0), stated.beam_ppm()].map(f64::squared);
-    let mut own = vec![0.0; layout.len()];
+    let mut own = vec![0.0; layout.entries()];
     for (index, line) in campaign.lines.iter().enumerate() {
         own[layout.line(index)] = line.u_um_per_m.unwrap_or(0.0).squared() + of_setup;
     }
