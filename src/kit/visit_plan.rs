@@ -142,7 +142,7 @@ impl Design<'_> {
         own_grid.or(other_grid)
     }
 
-    /// With the fewest runs that reach something; what the most do not, no fewer do.
+    /// With the fewest runs that reach something; what some do not, no fewer do.
     fn in_fewest_runs(
         &self,
         variant: &Variant,
@@ -150,7 +150,9 @@ impl Design<'_> {
     ) -> Option<Visit> {
         let reached = |runs| self.visit(variant.in_runs(runs)).ok().filter(&is_reached);
         let most = reached(MOST_RUNS)?;
-        Some((self.fewest_runs()..MOST_RUNS).find_map(reached).unwrap_or(most))
+        let fewer: Vec<u32> = (self.fewest_runs()..MOST_RUNS).collect();
+        let fewest = fewer.partition_point(|runs| reached(*runs).is_none());
+        Some(fewer.get(fewest).and_then(|runs| reached(*runs)).unwrap_or(most))
     }
 
     /// What the figures rest on: what is known of the laser, what U leaves out, then the visit.

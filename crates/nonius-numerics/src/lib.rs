@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod banded;
+pub mod draws;
 pub mod quantity;
 pub mod rows;
 pub mod space;

@@ -11,6 +11,7 @@
 //! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
+use crate::draws::{LANES, Lanes, add};
 use crate::quantity::{Diagonal, Pass, Rotation, Squared};
 use chacha20::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -18,9 +19,6 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Values compared together.
-const LANES: usize = 4;
 
 /// Parts of a variance below this share of it are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -112,6 +110,13 @@ impl Row {
     /// The figure of these entries.
     pub fn dot(&self, z: &[f64]) -> f64 {
         self.0.iter().fold(0.0, |sum, (place, weight)| sum + weight * z[*place])
+    }
+
+    /// The same of entries in some draws.
+    pub(crate) fn dots<const N: usize>(&self, z: &[[f64; N]]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        self.0.iter().for_each(|(place, weight)| add(&mut sum, *weight, &z[*place]));
+        sum
     }
 }
 
@@ -248,16 +253,29 @@ impl Model {
         self.own[..self.layout.neglected(0)].iter().map(|own| own.sqrt()).collect()
     }
 
-    /// One draw without angles: what is off in z by itself, the noise so many times as large as estimated; how
-    /// many times each column acts.
-    pub fn draw(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
-        let mut normal = || -> f64 { StandardNormal.sample(random) };
-        let readings = self.layout.line(0);
-        let times = |at: usize| if at < readings { noise } else { 1.0 };
-        let each = self.own.iter().enumerate();
-        let spread = each.map(|(at, own)| (own * times(at) * times(at)).sqrt());
-        let z: Vec<f64> = spread.map(|u| if u > 0.0 { u * normal() } else { 0.0 }).collect();
-        let shares = self.everywhere().map(|cause| cause.size().sqrt() * normal()).collect();
+    /// One draw by each generator, without angles: what is off in z by itself, the noise so many times as large as
+    /// estimated; how many times each column acts.
+    pub fn draw(
+        &self,
+        noise: Lanes,
+        random: &mut [ChaCha8Rng; LANES],
+    ) -> (Vec<Lanes>, Vec<(usize, Lanes)>) {
+        let (readings, spread) = (self.layout.line(0), self.own.iter().map(|own| own.sqrt()));
+        let spread: Vec<f64> = spread.collect();
+        let mut z = vec![[0.0; LANES]; spread.len()];
+        let mut shares: Vec<_> = self.everywhere().map(|_| [0.0; LANES]).enumerate().collect();
+        for (lane, random) in random.iter_mut().enumerate() {
+            let mut normal = |u: f64| -> f64 {
+                let draw: f64 = StandardNormal.sample(random);
+                u * draw
+            };
+            for (at, (z, u)) in z.iter_mut().zip(&spread).enumerate().filter(|of| *of.1.1 > 0.0) {
+                z[lane] = normal(*u) * if at < readings { noise[lane] } else { 1.0 };
+            }
+            for ((_, times), cause) in shares.iter_mut().zip(self.everywhere()) {
+                times[lane] = normal(cause.size().sqrt());
+            }
+        }
         (z, shares)
     }
 
@@ -392,19 +410,25 @@ impl CurveRows {
 
     /// The values for these entries; `line_um`: the line at the high end.
     pub fn values(&self, z: &[f64], line_um: f64) -> Vec<f64> {
-        let mut values = vec![0.0; self.steps.len() + 1];
-        self.fill(z, line_um, &mut values);
-        values
+        let mut values = vec![[0.0]; self.steps.len() + 1];
+        self.fill(z.as_chunks().0, [line_um], &mut values);
+        values.into_flattened()
     }
 
-    /// The same into a list of as many values.
-    pub fn fill(&self, z: &[f64], line_um: f64, values: &mut [f64]) {
+    /// The same of entries in some draws, into a list of as many values.
+    pub(crate) fn fill<const N: usize>(
+        &self,
+        z: &[[f64; N]],
+        line_um: [f64; N],
+        values: &mut [[f64; N]],
+    ) {
         let last = self.steps.len().max(1) as f64;
-        let mut sum = self.start.dot(z);
+        let mut sum = self.start.dots(z);
         values[0] = sum;
         for (index, step) in self.steps.iter().enumerate() {
-            sum += step.dot(z);
-            values[index + 1] = sum + line_um * (index + 1) as f64 / last;
+            add(&mut sum, 1.0, &step.dots(z));
+            values[index + 1] = sum;
+            add(&mut values[index + 1], (index + 1) as f64 / last, &line_um);
         }
     }
 
@@ -442,23 +466,4 @@ impl CurveRows {
             })
             .collect()
     }
-}
-
-/// Adds values, each so many times.
-pub fn add(sum: &mut [f64], times: f64, part: &[f64]) {
-    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += times * part);
-}
-
-/// max of |value| + times · u.
-pub fn largest(values: &[f64], times: f64, u: &[f64]) -> f64 {
-    let (values, u) = (values.as_chunks::<LANES>(), u.as_chunks::<LANES>());
-    let rest = values.1.iter().zip(u.1).map(|(value, u)| value.abs() + times * u);
-    let mut most = [rest.fold(0.0, f64::max); LANES];
-    for (values, u) in values.0.iter().zip(u.0) {
-        for lane in 0..LANES {
-            let own = values[lane].abs() + times * u[lane];
-            most[lane] = if own > most[lane] { own } else { most[lane] };
-        }
-    }
-    most.into_iter().fold(0.0, f64::max)
 }

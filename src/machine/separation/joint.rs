@@ -16,18 +16,19 @@ mod outlook;
 
 pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::Separation;
-use super::curves::{Curve, range};
 use super::readings::{Noise, student};
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::{
-    Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, Squared, larger,
+    Axis, Diagonal, Direction, ErrorTerm, Pass, PerAxis, PerDiagonal, PerTerm, larger,
 };
 use crate::text::joined;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
-use nonius_numerics::rows::{CurveRows, Row, add, largest};
+use nonius_numerics::draws::{self, Curves, LANES, Lanes, alike, root_mean_squares, sum};
+use nonius_numerics::rows::Row;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
+use std::array::from_fn;
 
 /// Of 1,000 draws the 95 % quantile is known to 2 %.
 const DRAWS: usize = 1000;
@@ -39,8 +40,6 @@ const CONFIDENCE: f64 = 0.95;
 struct TableCurve {
     term: ErrorTerm,
     way: Option<Direction>,
-    /// Less the value at the reference.
-    rows: CurveRows,
     /// Where it stands among the curves that is zero at the reference, and the place of that, in steps.
     zero: (usize, f64),
 }
@@ -49,13 +48,16 @@ struct TableCurve {
 pub(super) struct Table<'a> {
     of: &'a Separation,
     curves: Vec<TableCurve>,
+    /// Less the value at the reference.
+    rows: Curves<'a>,
     /// As measured, µm.
     um: Vec<f64>,
-    /// What each cause makes of the values.
-    by_cause: Vec<Vec<f64>>,
     /// The cause that another measurement with the same laser repeats.
     laser: Option<usize>,
 }
+
+/// How many times causes act.
+type Acting = Vec<(usize, Lanes)>;
 
 impl Table<'_> {
     /// Says of a table how far its errors may lie off, with 95 %, and what may falsify them; nothing of the former where
@@ -67,54 +69,58 @@ impl Table<'_> {
         }
         let angles = &self.of.model.angles;
         let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
+        let first = || (0..DRAWS).step_by(LANES);
         // What another measurement does not repeat; how many times the laser acts that it repeats.
-        let anew = |number| {
-            let mut random = random(number);
-            let noise = self.estimate(&mut random);
-            self.drawn(noise, &mut random)
+        let anew = |first| {
+            let mut random = randoms(first);
+            let noise = random.each_mut().map(|random| self.estimate(random));
+            self.rows.drawn(noise, &mut random, self.laser)
         };
-        let (mut drawn, lasers): (Vec<Vec<f64>>, Vec<f64>) = (0..DRAWS).map(anew).unzip();
-        let mut squares = self.nothing();
-        for anew in &drawn {
-            squares.iter_mut().zip(anew).for_each(|(sum, um)| *sum += um.squared());
-        }
-        let u: Vec<f64> = squares.iter().map(|s| (s / DRAWS as f64).sqrt()).collect();
+        let (mut drawn, lasers): (Vec<Vec<Lanes>>, Vec<Lanes>) = first().map(anew).unzip();
+        let u = root_mean_squares(&drawn);
         let mut with_laser = u.clone();
         if let Some(at) = self.laser {
-            let laser = &self.by_cause[at];
-            drawn.iter_mut().zip(&lasers).for_each(|(anew, times)| add(anew, *times, laser));
-            with_laser.iter_mut().zip(laser).for_each(|(u, um)| *u = u.hypot(*um));
+            let laser = self.rows.made_by(&[(at, [1.0; LANES])]);
+            let each = drawn.iter_mut().zip(&lasers);
+            each.for_each(|(anew, times)| self.rows.add(&[(at, *times)], anew));
+            with_laser.iter_mut().zip(&laser).for_each(|(u, [um, ..])| *u = u.hypot(*um));
         }
-        let ranges: Vec<PerDiagonal<f64>> = drawn.iter().map(|anew| self.ranges(anew)).collect();
-        let diagonals = self.ranges_at_most();
-        let times = |number: usize| {
-            let share = (number as f64 + 0.5) / DRAWS as f64;
-            student(share, None) * self.estimate(&mut random(2 * DRAWS + number))
+        let ranges: Vec<PerDiagonal<Lanes>> = drawn.iter().map(|anew| self.ranges(anew)).collect();
+        let at_most = self.ranges_at_most();
+        let at_most = PerDiagonal::from_fn(|d| [at_most[d]; LANES]);
+        let repeated: Vec<Acting> = first().map(|first| self.repeated(first)).collect();
+        let times = |first: usize| {
+            let mut random = randoms(2 * DRAWS + first);
+            from_fn(|lane| {
+                let share = (first + lane) as f64 + 0.5;
+                student(share / DRAWS as f64, None) * self.estimate(&mut random[lane])
+            })
         };
         let repeats_nothing = self.laser.is_none() && orders.iter().all(Vec::is_empty);
-        let times: Vec<f64> = match repeats_nothing {
-            true => vec![student(CONFIDENCE, self.freedom()); DRAWS],
-            false => (0..DRAWS).map(times).collect(),
+        let times: Vec<Lanes> = match repeats_nothing {
+            true => vec![[student(CONFIDENCE, self.freedom()); LANES]; drawn.len()],
+            false => first().map(times).collect(),
         };
+        let measured = alike(&self.um);
         let of_order = |order: &Vec<usize>| {
-            let sizes = |(number, anew): (usize, &Vec<f64>)| {
-                let mut left = self.angles(number, order);
-                let mut found = self.repeated(number, left.clone());
-                add(&mut left, 1.0, anew);
-                add(&mut found, 1.0, &self.um);
-                let left = Sizes { terms: self.terms(&left, 0.0, &u), diagonals: ranges[number] };
-                (left, Sizes { terms: self.terms(&found, times[number], &u), diagonals })
+            let of_draws = |(at, anew): (usize, &Vec<Lanes>)| {
+                let acting = acting(order, &repeated[at]);
+                let left = self.terms(anew, &acting[..order.len()], [0.0; LANES], &u);
+                let found = self.terms(&measured, &acting, times[at], &u);
+                (sizes(&left, &ranges[at]), sizes(&found, &at_most))
             };
-            let (left, found): (Vec<Sizes>, Vec<Sizes>) =
-                drawn.iter().enumerate().map(sizes).unzip();
-            [left, found].map(|draws| quantiles(zero(job), &draws))
+            let (left, found): (Vec<_>, Vec<_>) = drawn.iter().enumerate().map(of_draws).unzip();
+            [left, found].map(|draws| quantiles(zero(job), draws.as_flattened()))
         };
         let all = orders.iter().map(of_order);
         let worst = all.reduce(|[a, b], [c, d]| [a.joined(&c, larger), b.joined(&d, larger)]);
         let [forecast, found] = worst.map_or([None, None], |each| each.map(Some));
-        let values = quantiles(zero(job), &[self.sizes(&self.um)]);
-        let sizes_of =
-            |u: &[f64]| Sizes { terms: self.terms(&self.nothing(), 1.0, u), ..Sizes::default() };
+        let values = quantiles(zero(job), &[self.sizes(&measured)]);
+        let sizes_of = |u: &[f64]| {
+            let terms = self.terms(&self.rows.made_by(&[]), &[], [1.0; LANES], u);
+            let [sizes, ..] = sizes(&terms, &PerDiagonal::from_fn(|_| [0.0; LANES]));
+            sizes
+        };
         let instrument = job.measurement.instrument.clone().filter(|_| self.laser.is_some());
         Remarks {
             largest: forecast,
@@ -128,12 +134,12 @@ impl Table<'_> {
     /// What max − min along each diagonal was at most: its readings are direct, whatever the separation makes of them.
     fn ranges_at_most(&self) -> PerDiagonal<f64> {
         let (model, times) = (&self.of.model, student(CONFIDENCE, self.freedom()));
-        let mut ranges = PerDiagonal::default();
+        let (um, mut ranges) = (alike(&self.um), PerDiagonal::default());
         for (d, pass) in self.walks() {
-            let along = self.along(d, pass, &self.um);
+            let along = sum(self.points(), self.along(d, pass, &um));
             let at = |step: usize| model.layout.reading(pass, d, 3 * step);
-            for (i, low) in along.iter().enumerate() {
-                for (j, high) in along.iter().enumerate().skip(i + 1) {
+            for (i, [low, ..]) in along.iter().enumerate() {
+                for (j, [high, ..]) in along.iter().enumerate().skip(i + 1) {
                     let u = model.u_of_difference(at(i), at(j));
                     ranges[d] = larger(ranges[d], (high - low).abs() + times * u);
                 }
@@ -154,7 +160,7 @@ impl Table<'_> {
     /// all anomalies added; `None` where nothing speaks against it.
     fn doubtful(&self) -> Option<Sizes> {
         let worst = |causes: &Vec<Vec<f64>>| {
-            let sizes = causes.iter().map(|z| self.sizes(&self.moved_by(z)));
+            let sizes = causes.iter().map(|z| self.sizes(&self.rows.moved_by(&alike(z))));
             sizes.fold(Sizes::default(), |worst, own| worst.joined(&own, larger))
         };
         let each = self.of.anomalies.iter().map(worst);
@@ -166,8 +172,7 @@ impl Table<'_> {
 impl<'a> Table<'a> {
     pub(super) fn new(of: &'a Separation, job: &Job) -> Table<'a> {
         let directions = directions(of, job);
-        let mut curves: Vec<TableCurve> = Vec::new();
-        let mut um = Vec::new();
+        let (mut curves, mut all_rows, mut um) = (Vec::new(), Vec::new(), Vec::new());
         for term in ErrorTerm::ALL {
             let machine = job.machine.axes[term.along];
             let homing = machine.map(|axis| axis.homing());
@@ -186,27 +191,12 @@ impl<'a> Table<'a> {
                 um.extend(found.deviation_um.iter().map(|um| um - zero_um));
                 let mut rows = found.rows.merged();
                 rows.start = Row::sum([(1.0, &rows.start), (-1.0, &zero_row)]).merged();
-                curves.push(TableCurve { term, way, rows, zero });
+                curves.push(TableCurve { term, way, zero });
+                all_rows.push(rows);
             }
         }
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
-        let mut table = Table { of, um, by_cause: Vec::new(), laser, curves };
-        table.by_cause = of.model.causes.iter().map(|of| table.moved_by(&of.column)).collect();
-        table
-    }
-
-    /// The values for these entries of z.
-    fn moved_by(&self, z: &[f64]) -> Vec<f64> {
-        let mut values = self.nothing();
-        let places = values.chunks_exact_mut(self.points());
-        for (TableCurve { rows, .. }, own) in self.curves.iter().zip(places) {
-            rows.fill(z, rows.line.dot(z), own);
-        }
-        values
-    }
-
-    fn nothing(&self) -> Vec<f64> {
-        vec![0.0; self.um.len()]
+        Table { of, curves, rows: Curves::new(&of.model, all_rows), um, laser }
     }
 
     /// Values of each curve.
@@ -215,7 +205,7 @@ impl<'a> Table<'a> {
     }
 
     /// One of the curves.
-    fn curve<'v>(&self, values: &'v [f64], index: usize) -> &'v [f64] {
+    fn curve<'v, T>(&self, values: &'v [T], index: usize) -> &'v [T] {
         &values[index * self.points()..(index + 1) * self.points()]
     }
 
@@ -232,54 +222,35 @@ impl<'a> Table<'a> {
         estimate.unwrap_or(1.0)
     }
 
-    /// One draw of what another measurement does not repeat, with so many times the noise; how many times the laser acts
-    /// that it repeats.
-    fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<f64>, f64) {
-        let (z, mut shares) = self.of.model.draw(noise, random);
-        let laser = self.laser.map_or(0.0, |at| std::mem::take(&mut shares[at]));
-        let mut drawn = self.moved_by(&z);
-        let causes = shares.iter().zip(&self.by_cause).filter(|(times, _)| **times != 0.0);
-        causes.for_each(|(times, part)| add(&mut drawn, *times, part));
-        (drawn, laser)
+    /// What draws of all that another measurement repeats are: angles, one after the other, and the laser.
+    fn repeated(&self, first: usize) -> Acting {
+        let (mut of_angles, mut of_laser) = (randoms(DRAWS + first), randoms(3 * DRAWS + first));
+        let angles = self.of.model.angles.first().into_iter().flatten();
+        let laser =
+            self.laser.map(|at| (at, of_laser.each_mut().map(|of| StandardNormal.sample(of))));
+        angles.map(|at| (*at, uniform(&mut of_angles))).chain(laser).collect()
     }
 
-    /// What a draw of all that another measurement repeats does.
-    fn repeated(&self, number: usize, angles: Vec<f64>) -> Vec<f64> {
-        let mut values = angles;
-        if let Some(at) = self.laser {
-            let draw = StandardNormal.sample(&mut random(3 * DRAWS + number));
-            add(&mut values, draw, &self.by_cause[at]);
-        }
-        values
-    }
-
-    /// What a draw of these angles does.
-    fn angles(&self, number: usize, order: &[usize]) -> Vec<f64> {
-        let mut random = random(DRAWS + number);
-        let mut values = self.nothing();
-        for cause in order {
-            // Uniform, with a standard deviation of 1.
-            let share: f64 = StandardUniform.sample(&mut random);
-            add(&mut values, 12_f64.sqrt() * (share - 0.5), &self.by_cause[*cause]);
-        }
-        values
-    }
-
-    /// The largest |error| + times · u of each term.
-    fn terms(&self, values: &[f64], times: f64, u: &[f64]) -> PerTerm<f64> {
-        let mut terms = PerTerm::from_fn(|_| 0.0);
-        for (index, curve) in self.curves.iter().enumerate() {
-            let [own, u] = [values, u].map(|values| self.curve(values, index));
-            terms[curve.term] = larger(terms[curve.term], largest(own, times, u));
-        }
+    /// max of |value + what causes make that act so many times| + times · u of each term.
+    fn terms(
+        &self,
+        values: &[Lanes],
+        causes: &[(usize, Lanes)],
+        times: Lanes,
+        u: &[f64],
+    ) -> PerTerm<Lanes> {
+        let mut terms = PerTerm::from_fn(|_| [0.0; LANES]);
+        let each = self.curves.iter().zip(self.rows.largest(values, causes, times, u));
+        each.for_each(|(curve, own)| terms[curve.term] = draws::larger(terms[curve.term], &own));
         terms
     }
 
     /// max − min along each diagonal.
-    fn ranges(&self, values: &[f64]) -> PerDiagonal<f64> {
-        let mut ranges = PerDiagonal::default();
+    fn ranges(&self, values: &[Lanes]) -> PerDiagonal<Lanes> {
+        let mut ranges = PerDiagonal::from_fn(|_| [0.0; LANES]);
         for (d, pass) in self.walks() {
-            ranges[d] = larger(ranges[d], range(self.along(d, pass, values).into_iter()));
+            let own = draws::range(&sum(self.points(), self.along(d, pass, values)));
+            ranges[d] = draws::larger(ranges[d], &own);
         }
         ranges
     }
@@ -290,31 +261,63 @@ impl<'a> Table<'a> {
         passes.flat_map(|pass| Diagonal::ALL.map(|d| (d, pass)))
     }
 
-    /// What these values make along the beam at the end of each cell.
-    fn along(&self, d: Diagonal, pass: Pass, values: &[f64]) -> Curve {
-        let (laser, last) = (self.of.volume.laser(d), self.of.volume.steps);
-        let mut along = vec![0.0; self.points()];
-        for (index, TableCurve { term, way, .. }) in self.curves.iter().enumerate() {
-            if way.is_none_or(|way| way == d.travelled(term.along, pass)) {
-                let (is_up, own) = (d.sign(term.along) > 0.0, self.curve(values, index));
-                let ends = along.iter_mut().enumerate();
-                ends.for_each(|(at, um)| {
-                    *um += laser[term.of] * own[if is_up { at } else { last - at }];
-                });
-            }
-        }
-        along
+    /// What makes the displacement along the beam at the end of each cell: so many times a curve, from its low end on or from
+    /// its high one.
+    fn along<'v>(
+        &'v self,
+        d: Diagonal,
+        pass: Pass,
+        values: &'v [Lanes],
+    ) -> impl Iterator<Item = (f64, bool, &'v [Lanes])> {
+        let laser = self.of.volume.laser(d);
+        let each =
+            self.curves.iter().enumerate().filter(move |(_, TableCurve { term, way, .. })| {
+                way.is_none_or(|way| way == d.travelled(term.along, pass))
+            });
+        each.map(move |(index, TableCurve { term, .. })| {
+            (laser[term.of], d.sign(term.along) > 0.0, self.curve(values, index))
+        })
     }
 
-    fn sizes(&self, values: &[f64]) -> Sizes {
-        Sizes { terms: self.terms(values, 0.0, values), diagonals: self.ranges(values) }
+    fn sizes(&self, values: &[Lanes]) -> Sizes {
+        let [sizes, ..] =
+            sizes(&self.terms(values, &[], [0.0; LANES], &self.um), &self.ranges(values));
+        sizes
     }
+}
+
+/// The same angles where the axes stand in another order.
+fn acting(order: &[usize], repeated: &Acting) -> Acting {
+    let mut acting = repeated.clone();
+    acting.iter_mut().zip(order).for_each(|((at, _), own)| *at = *own);
+    acting
+}
+
+/// A generator for each of some draws.
+fn randoms(first: usize) -> [ChaCha8Rng; LANES] {
+    from_fn(|lane| random(first + lane))
 }
 
 fn random(stream: usize) -> ChaCha8Rng {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(stream as u64);
     random
+}
+
+/// Uniform, with a standard deviation of 1.
+fn uniform(random: &mut [ChaCha8Rng; LANES]) -> Lanes {
+    random.each_mut().map(|random| {
+        let share: f64 = StandardUniform.sample(random);
+        12_f64.sqrt() * (share - 0.5)
+    })
+}
+
+/// Draw by draw.
+fn sizes(terms: &PerTerm<Lanes>, diagonals: &PerDiagonal<Lanes>) -> [Sizes; LANES] {
+    from_fn(|lane| Sizes {
+        terms: PerTerm::from_fn(|term| terms[term][lane]),
+        diagonals: PerDiagonal::from_fn(|d| diagonals[d][lane]),
+    })
 }
 
 /// The 95 % quantile of draws.

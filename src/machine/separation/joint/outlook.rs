@@ -10,15 +10,17 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, between, quantile, random};
+use super::{CONFIDENCE, Table, TableCurve, acting, between, quantile, randoms};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::curves::mean;
 use crate::machine::separation::readings::{float, student};
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, larger};
-use nonius_numerics::rows::{Cause, Part, Row, Variance, add, largest};
+use nonius_numerics::draws::{LANES, Lanes, largest};
+use nonius_numerics::rows::{Cause, Part, Row, Variance};
 use rand_distr::{ChiSquared, Distribution};
+use std::array::from_fn;
 
 /// Visits that are drawn: a share of them is known to 5 %.
 const VISITS: usize = 400;
@@ -72,7 +74,7 @@ impl Separation {
     ) -> Vec<(Part, f64)> {
         let table = Table::new(self, job);
         let points = table.points();
-        let row = |place: usize| table.curves[place / points].rows.at(float(place % points));
+        let row = |place: usize| table.rows.rows[place / points].at(float(place % points));
         let values = table.values(errors).into_iter().enumerate();
         let own = values.filter(|(place, _)| table.curves[place / points].term == term);
         let u = |place| larger(self.model.variance(&row(place)).all, 0.0).sqrt();
@@ -97,7 +99,7 @@ impl Table<'_> {
         let mut model = self.of.model.clone();
         model.angles.clear();
         self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
-        self.curves.iter().flat_map(|curve| curve.rows.variances(&model)).map(of).collect()
+        self.rows.rows.iter().flat_map(|rows| rows.variances(&model)).map(of).collect()
     }
 
     /// What was found of each, µm; 0 where nothing was.
@@ -153,18 +155,21 @@ impl Table<'_> {
     ) -> Outlook {
         let freedom = self.freedom();
         let times = |number| student((float(number) + 0.5) / float(BIASES), freedom);
-        let times: Vec<f64> = (0..BIASES).map(times).collect();
+        let times = |first| from_fn(|lane| times(first + lane));
+        let first = || (0..BIASES).step_by(LANES);
         // What both measurements repeat, and the factor of u beside it.
-        let of_order = |order: &[usize]| -> Vec<(Vec<f64>, f64)> {
-            if self.laser.is_none() && order.is_empty() {
-                return vec![(self.nothing(), student(CONFIDENCE, freedom))];
+        let of_order = |order: &[usize]| -> Vec<(Vec<Lanes>, Lanes)> {
+            let bias = |first| self.rows.made_by(&acting(order, &self.repeated(first)));
+            match self.laser.is_none() && order.is_empty() {
+                true => vec![(self.rows.made_by(&[]), [student(CONFIDENCE, freedom); LANES])],
+                false => first().map(|first| (bias(first), times(first))).collect(),
             }
-            let bias = |number| (self.repeated(number, self.angles(number, order)), times[number]);
-            (0..BIASES).map(bias).collect()
         };
+        let nothing = vec![0.0; self.um.len()];
         // Of the orders that the axes may have, the one in which the angles do most.
-        let does_um = |biases: &[(Vec<f64>, f64)]| -> f64 {
-            biases.iter().map(|(bias, _)| largest(bias, 0.0, bias)).sum()
+        let does_um = |biases: &[(Vec<Lanes>, Lanes)]| -> f64 {
+            let most = |bias: &Vec<Lanes>| largest(bias, &nothing, [0.0; LANES], &nothing);
+            biases.iter().flat_map(|(bias, _)| most(bias)).sum()
         };
         let orders = self.of.model.angles.iter().map(|order| of_order(order));
         let worst = orders.max_by(|a, b| does_um(a).total_cmp(&does_um(b)));
@@ -192,33 +197,36 @@ impl Table<'_> {
         let is_measured = |at: &usize| !now.iter().any(is_same(*at));
         let measured: Vec<usize> = order.filter(is_measured).collect();
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
-        let at_most = |visit: usize| {
-            let mut random = random(FIRST + visit);
-            let before = former.drawn(1.0, &mut random).0;
-            let before = match found {
-                Some(_) => self.carried(former, &before),
-                None => former.tabulated(job, &before),
-            };
-            let angles = self.carried(former, &former.angles(visit, &measured));
-            let new = self.drawn(1.0, &mut random).0;
-            let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
-            let seen = |place: usize| {
-                let (stays, of_before) = shares[place / points];
-                let left = stays * values[place] + of_before * before[place] + angles[place];
-                found.map_or(new[place] - before[place], |_| left + again * new[place])
-            };
-            let seen: Vec<f64> = (0..values.len()).map(seen).collect();
-            let both = noise.iter().zip(&rest);
-            let u: Vec<f64> = both.map(|(noise, rest)| (noise * s2 + rest).sqrt()).collect();
-            let mut both = self.nothing();
-            let at_most = |(bias, times): &(Vec<f64>, f64)| {
-                both.copy_from_slice(&seen);
-                add(&mut both, 1.0, bias);
-                largest(&both, *times, &u)
-            };
-            quantile(biases.iter().map(at_most).collect())
+        let at_most = |first: usize| {
+            let mut random = randoms(FIRST + first);
+            let before = former.rows.drawn([1.0; LANES], &mut random, former.laser).0;
+            let angles = acting(&measured, &former.repeated(first));
+            let angles = former.rows.made_by(&angles[..measured.len()]);
+            let new = self.rows.drawn([1.0; LANES], &mut random, self.laser).0;
+            from_fn::<f64, LANES, _>(|lane| {
+                let of_lane =
+                    |values: &[Lanes]| values.iter().map(|of| of[lane]).collect::<Vec<f64>>();
+                let before = match found {
+                    Some(_) => self.carried(former, &of_lane(&before)),
+                    None => former.tabulated(job, &of_lane(&before)),
+                };
+                let angles = self.carried(former, &of_lane(&angles));
+                let random = &mut random[lane];
+                let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(random) / freedom);
+                let seen = |place: usize| {
+                    let (stays, of_before) = shares[place / points];
+                    let (before, new) = (before[place], new[place][lane]);
+                    let left = stays * values[place] + of_before * before + angles[place];
+                    found.map_or(new - before, |_| left + again * new)
+                };
+                let seen: Vec<f64> = (0..values.len()).map(seen).collect();
+                let both = noise.iter().zip(&rest);
+                let u: Vec<f64> = both.map(|(noise, rest)| (noise * s2 + rest).sqrt()).collect();
+                let each = biases.iter().flat_map(|(bias, times)| largest(bias, &seen, *times, &u));
+                quantile(each.collect())
+            })
         };
-        let mut at_most: Vec<f64> = (0..VISITS).map(at_most).collect();
+        let mut at_most: Vec<f64> = (0..VISITS).step_by(LANES).flat_map(at_most).collect();
         at_most.sort_by(f64::total_cmp);
         let passed = at_most.iter().filter(|um| **um <= limit_um).count();
         (at_most[VISITS / 2], float(passed) / float(VISITS))
