@@ -148,7 +148,7 @@ fn find(files: &dyn Files, kit: &Path, path: &str, hash: &str) -> Result<Link, S
         let numbered = (1..).map(|number| previous(place, number));
         numbered.take_while(|kept| files.kind(kept).is_ok())
     });
-    let places = beside.iter().cloned().chain(kept);
+    let places = beside.iter().cloned().chain(kept).filter(|place| place != kit);
     let found = places.filter_map(|place| read_link(files, &place).ok());
     let found: Vec<Link> = found.collect();
     let other = found.first().map(|link| link.directory.clone());

@@ -2,14 +2,14 @@
 
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
-use crate::control::controller::Profile;
+use crate::control::controller::{ControlUnit, Profile};
 use crate::inputs::job::{Job, MeasuredData, UseOf};
 use crate::judge::active::{ReadOutFor, from_read_out};
 use crate::judge::findings::InControl;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
 use crate::quantity::{Figure, MM_PER_INCH, PerAxis};
-use crate::text::{LONGEST_MM, Problem, Problems, Severity, joined};
+use crate::text::{Finding, LONGEST_MM, Problem, Problems, Severity, joined};
 use crate::visit::files::{Files, Kind, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
 use crate::visit::job_files::{Given, JobFiles, profile};
@@ -181,12 +181,25 @@ fn held(
     words: &mut Vec<String>,
 ) -> Result<Vec<(String, String)>, Problems> {
     let (name, names) = (printed(path), axis_names(job, profile)?);
-    let (_, found) =
-        of_control(files, path, &name, "name a file or a directory read out of the control")?;
-    let control = from_read_out(job, profile, &name, found, ReadOutFor::Judging)?;
+    let key = |finding: &Finding| finding.kind().and_then(|kind: &InControl| kind.key(&names));
+    let findings = |job: &Job| {
+        let help = "name a file or a directory read out of the control";
+        let (_, found) = of_control(files, path, &name, help)?;
+        Ok::<_, Problems>(from_read_out(job, profile, &name, found, ReadOutFor::Judging)?.findings)
+    };
+    let mut found = findings(job)?;
+    // All else counts in the unit of the control.
+    let is_unit = |of: &Finding| key(of).is_some_and(|(key, _)| key == "compensation.control_unit");
+    if let Some(unit) = found.iter().find(|of| is_unit(of)).cloned() {
+        let mut other = job.clone();
+        let is_inch = job.compensation.control_unit == ControlUnit::Inch;
+        other.compensation.control_unit = ControlUnit::of_metric(f64::from(u8::from(is_inch)));
+        found = findings(&other)?;
+        found.insert(0, unit);
+    }
     let mut held: Vec<(String, String)> = Vec::new();
-    for finding in &control.findings {
-        let key = finding.kind().and_then(|kind: &InControl| kind.key(&names));
+    for finding in &found {
+        let key = key(finding);
         match key.filter(|new| held.iter().all(|(key, _)| *key != new.0)) {
             Some((key, value)) => {
                 words.push(format!("from the read-out: `{key} = {value}`; {finding}"));

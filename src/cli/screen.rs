@@ -195,6 +195,7 @@ fn broken(line: &str) -> String {
 /// A path as one word of a command: quoted where the shell of this computer needs it.
 pub(super) fn shell_word(path: &Path) -> String {
     match path.to_str() {
+        Some(word) if word.starts_with('-') => shell_word(&Path::new(".").join(path)), // no option
         None => format!("$'{}'", path.as_os_str().as_encoded_bytes().escape_ascii()),
         Some(_) if cfg!(windows) => cmd_word(&printed(path)),
         Some(word) => posix_word(word),

@@ -227,10 +227,16 @@ impl Page<'_> {
         self.second.as_ref().map(|(second, _)| second.protocol()).unwrap_or_default()
     }
 
-    /// What the verdict is made of.
+    /// What the verdict is made of; asked is what the tables were made for.
     pub(super) fn grounds(&self) -> Grounds {
-        let judged = self.judged();
-        judged.map_or_else(Grounds::default, |of| of.grounds(&self.inputs.job))
+        let of = |judged: &Forecast| judged.grounds(&self.inputs.job);
+        let mut grounds = self.judged().map(of).unwrap_or_default();
+        if let Some(forecast) =
+            self.verification.forecast.as_ref().filter(|_| !grounds.terms.is_empty())
+        {
+            grounds.terms = forecast.grounds(&self.inputs.job).terms;
+        }
+        grounds
     }
 
     fn squareness(&self) -> Named<&'static str, PlaneFigures> {

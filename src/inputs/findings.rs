@@ -15,7 +15,7 @@ findings! {
         Simulated { words: String } => Note, "{words}";
         Said { words: String } => Note, "{words}";
         Zeroed { zeros_um: Vec<(Diagonal, f64)> } => Note, "the laser was not zeroed at node 0: subtracted from all readings of {}", joined(zeros_um.iter().map(|(of, um)| format!("{of} {:.3} µm", Figure(*um))));
-        NotUsed { key: &'static str } => Note, "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state";
+        NotUsed { key: &'static str } => Note, "`{key}` of [measurement.uncertainty] concerns readings: the uncertainty of a term of an error table is what its header, its `u_…` column, `noise_um` and `laser_ppm` state";
     }
 }
 

@@ -21,8 +21,8 @@ pub use self::measurement::{AfterMeasurement, Observation, Part, StraightRuns, b
 
 use self::ground::ensure_common_ground;
 use crate::inputs::error_table::Cause;
-use crate::inputs::job::Job;
-use crate::judge::conformity::Sigma;
+use crate::inputs::job::{Acceptance, Job};
+use crate::judge::conformity::{Sigma, Verdict};
 use crate::judge::field::Field;
 use crate::judge::findings::AsLeft;
 use crate::judge::forecast::{
@@ -75,6 +75,20 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// The verdict on the figures as left. Where both measurements count from different frames a slope beyond the limit may be
+    /// the rotation between them: only what holds none of it is beyond for sure.
+    pub(crate) fn verdict(&self, asked: Acceptance) -> Verdict {
+        let rotates =
+            |of: &Finding| matches!(of.kind(), Some(AsLeft::OtherFrame { .. } | AsLeft::OwnFrames));
+        let verdict = self.as_left.verdict(asked);
+        if verdict < Verdict::Fail || !self.findings.iter().any(rotates) {
+            return verdict;
+        }
+        let mut sure = self.as_left.clone();
+        sure.terms.retain(|of| of.term.is_positioning());
+        sure.verdict(asked).max(Verdict::Undecided)
+    }
+
     /// Whether the values afterwards may be a measurement of this machine with its tables.
     pub(crate) fn is_measured(&self) -> bool {
         let is_none = |found: &Finding| found.kind().is_some_and(AsLeft::is_no_measurement);

@@ -232,9 +232,9 @@ impl Left {
     }
 
     fn words(self) -> String {
-        let terms = self.terms_um.map(|um| format!("at most {um:.3} µm"));
+        let terms = self.terms_um.map(|um| format!("{um:.3} µm"));
         let diagonals = self.diagonals_um;
-        let diagonals = diagonals.map(|um| format!("at most {um:.3} µm on the diagonals"));
+        let diagonals = diagonals.map(|um| format!("{um:.3} µm on the diagonals"));
         let both: Vec<String> = terms.into_iter().chain(diagonals).collect();
         both.join(" and ")
     }

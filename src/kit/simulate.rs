@@ -19,7 +19,9 @@ mod readings;
 pub use self::readings::{Predicted, Simulation, SimulationSource, readings, single_axes, write};
 use crate::control::controller::KitFile;
 pub use crate::inputs::error_table::SIMULATED;
-use crate::inputs::job::{DiagonalMeasurement, Job, Material, MeasuredData, Reflector};
+use crate::inputs::job::{
+    DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
+};
 use crate::judge::active::named_axis;
 use crate::judge::field::Field;
 use crate::judge::findings::InControl;
@@ -163,22 +165,24 @@ impl Rehearsal {
         let job = &inputs.job;
         let is_of_diagonals = matches!(job.measurement.data, MeasuredData::Diagonals(_));
         let angle_table = inputs.angles.as_ref().filter(|_| is_of_diagonals);
-        let program = job.program.as_ref();
-        let (mut measurement, program) = match job.measurement.diagonals() {
-            Some(measurement) => (measurement.clone(), None),
-            None => (programmed(job)?, program),
+        let measured = job.measurement.diagonals();
+        let mut measurement = measured.map_or_else(|| programmed(job), |own| Ok(own.clone()))?;
+        let is_its_run = |run: &&ProgramRequest| {
+            run.measured().is_some_and(|programmed| programmed.kind == measurement.kind)
         };
+        let program = job.program.as_ref().filter(is_its_run);
         if wishes.straight {
             measurement.kind = PathKind::Straight;
             measurement.target = Reflector::Retroreflector;
         }
         let angles = angle_table.map(|table| angles(job, &measurement, table)).transpose()?;
-        let is_assumed = wishes.both_directions && measurement.overrun.is_none();
+        let overrun = measurement.overrun.or(program.and_then(ProgramRequest::runs_over));
+        let is_assumed = wishes.both_directions && overrun.is_none();
         let notes = is_assumed.then(|| InRehearsal::OverrunAssumed.into());
         Ok(Rehearsal {
             runs: wishes.runs.or(program.map(|run| run.runs)).unwrap_or(1),
             both_directions: wishes.both_directions || program.is_some_and(|run| run.bidirectional),
-            overrun: measurement.overrun.unwrap_or(true),
+            overrun: overrun.unwrap_or(true),
             noise: wishes.noise,
             angles,
             notes: notes.into_iter().collect(),

@@ -230,7 +230,7 @@ fn judged_as_left(
         return Verdict::Undecided;
     }
     let asked = verification.loaded.asked.inputs.job.acceptance;
-    let verdict = comparison.as_left.verdict(asked);
+    let verdict = comparison.verdict(asked);
     match asked.asks_nothing() && is_off || !doubts.is_empty() {
         true => verdict.max(Verdict::Undecided),
         false => verdict,

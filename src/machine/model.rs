@@ -83,12 +83,12 @@ impl MeasuredTerm {
     }
 
     /// Reversal B = mean deviation moving + minus mean deviation moving − over the target
-    /// positions that both directions cover (contract §1; ISO 230-2), µm.
+    /// positions that both directions cover (contract §1; ISO 230-2), µm; `None` = one curve, or one that stands for both.
     pub fn reversal(&self) -> Option<Deviation> {
         let Measured::BothWays { plus, minus } = &self.measured else {
             return None;
         };
-        let difference = plus.difference(minus)?;
+        let difference = plus.difference(minus).filter(|_| plus != minus)?;
         let um = difference.knots().iter().map(|at| difference.at(*at).um());
         Some(Deviation::from_um(mean(um)))
     }

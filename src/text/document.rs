@@ -28,6 +28,8 @@ pub struct Source {
     /// Where the value of each key stands, by its dotted path, with the number of each entry of a list (`linear[1]`).
     spots: Vec<(String, Range<usize>)>,
     lines: LineIndex,
+    /// Where the text of a page below begins, with its name.
+    below: Vec<(usize, String)>,
 }
 
 /// Lines of a text that a user writes or an instrument saves, and rows of a table of corrections that the
@@ -57,14 +59,19 @@ impl Source {
         Ok(Source {
             name: name.to_string(),
             text: text.strip_prefix('\u{feff}').unwrap_or(text).to_string(),
-            spots: Vec::new(),
-            lines: LineIndex::default(),
+            ..Source::default()
         })
     }
 
     /// The place of bytes of the text.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        self.lines.place(&self.name, &self.text, span.start, span.end)
+        match self.below.iter().rfind(|(from, _)| *from <= span.start) {
+            None => self.lines.place(&self.name, &self.text, span.start, span.end),
+            Some((from, name)) => {
+                let [start, end] = [span.start, span.end].map(|at| at.saturating_sub(*from));
+                LineIndex::default().place(name, &self.text[*from..], start, end)
+            }
+        }
     }
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
@@ -186,5 +193,17 @@ mod tests {
         let (found, _) = read_page_over(source, &[], |_, _| (), read).expect("it is a page");
         let protocol = vec![("serial".to_string(), "0x1F".to_string())];
         assert_eq!(found, (Some(vec![[16, 32]]), protocol));
+    }
+
+    #[test]
+    fn a_key_of_the_page_below_stands_in_its_own_file() {
+        let source = Source::from_bytes("after.toml", b"a = 1\n").expect("it is text");
+        let read = |root: &Section<'_>| root.whole("b").zip(root.whole("a"));
+        let below = [("job.toml", "# first\nb = 2\n")];
+        let (_, source) = read_page_over(source, &below, |own, below| own.extend(below), read)
+            .expect("it is a page");
+        let place = |key| source.place_of(key).map(|at| (at.file, at.line, at.column));
+        assert_eq!(place("a"), Some(("after.toml".to_string(), 1, 5)));
+        assert_eq!(place("b"), Some(("job.toml".to_string(), 2, 5)));
     }
 }

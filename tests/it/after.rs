@@ -131,6 +131,32 @@ fn what_decides_and_what_leaves_it_undecided_is_named() {
 }
 
 #[test]
+fn what_may_be_the_rotation_between_two_frames_does_not_fail() {
+    let table = |ex: f64, ey: f64| {
+        let of = |share: f64| format!("x,{},{},{}\n", 100.0 * share, ex * share, ey * share);
+        let rows = [0.0, 0.5, 1.0].map(of).concat();
+        format!("# frame: as-measured\naxis,position_mm,ex_um,ey_um\n{rows}")
+    };
+    let visit = Visit::with(job(), table(16.0, -4.0)).with_any_kit();
+    for (ex, ey, verdict) in [(0.3, 0.4, "pass"), (0.3, 30.0, "undecided"), (30.0, 0.4, "fail")] {
+        visit.put("after.csv", table(ex, ey));
+        again(&visit, "after.csv").is(verdict, &[]).says("notes", "another one each time");
+    }
+}
+
+#[test]
+fn the_limits_are_those_of_the_first_job() {
+    let visit = visit(LEFT);
+    let second = "schema = 1\n[measurement]\nerrors = \"after.csv\"\n";
+    let judged = |limit: &str| {
+        visit.put("after.toml", format!("{second}[acceptance]\nmax_deviation_um = {limit}\n"));
+        visit.run("verify job.toml --tables kit --after after.toml")
+    };
+    judged("1.0").ends(0).says("each of EXX, EYX within 1 µm");
+    judged("3.0").ends(2).says("after.toml:4:1").says("other limits than the first");
+}
+
+#[test]
 fn tables_that_do_not_act_or_were_changed_fail() {
     visit(&table(&[[0.0, 0.0, 0.0], [50.0, 6.05, 3.02], [100.0, 16.0, -4.0]], 0.1))
         .run("verify job.toml --tables kit --after after.csv")

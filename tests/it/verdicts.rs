@@ -184,7 +184,7 @@ fn what_was_not_measured_decides_nothing() {
 #[test]
 fn the_verdict_names_what_no_figure_holds() {
     let job = cube_job("noise_um = 0.1\ntemperature_k = 1", "max_deviation_um = 5");
-    let words = ["reversal not measured", "stated and not counted: temperature_k"];
+    let words = ["reversal not measured", "holds in its own uncertainties: temperature_k"];
     verdict(&Visit::with(&job, cube(&TENTHS, 1.0)), GENERATE, "", &words);
     let job = one_axis("", "max_deviation_um = 5");
     let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");
@@ -203,12 +203,12 @@ fn offered(said: &str) -> Vec<(&str, &str)> {
 
 /// `at most 1.234 µm` of what a page leaves; on half of the digit shown it may be `off_um`, as documents have 10⁻⁶ µm.
 fn left_on(page: &Value, job: &str, off_um: f64) -> String {
-    let at_most = |rows: &str| {
+    let left = |rows: &str| {
         let rows = page[rows].as_object().into_iter().flatten();
         let um = rows.map(|(_, row)| number(&row["forecast_um"])).fold(0.0, f64::max);
-        format!("at most {:.3} µm", (um + off_um).max(0.0))
+        format!("{:.3} µm", (um + off_um).max(0.0))
     };
-    let (terms, diagonals) = (at_most("terms"), at_most("diagonals") + " on the diagonals");
+    let (terms, diagonals) = (left("terms"), left("diagonals") + " on the diagonals");
     match (job.contains("max_deviation_um"), job.contains("max_diagonal_um")) {
         (true, true) => format!("{terms} and {diagonals}"),
         (false, true) => diagonals,

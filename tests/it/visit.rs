@@ -232,6 +232,7 @@ fn straight_runs_of_a_rehearsal_say_what_they_are() {
             .put("straight.toml", format!("{head}readings = \"straight.csv\"{rest}"))
             .edit("straight.toml", "\"none\"", "\"kit\"")
             .edit("straight.toml", "[compensation]\n", &section)
+            .edit("straight.toml", "max_deviation_um", "max_diagonal_um")
             .put("machine.toml", &machine)
             .edit("machine.toml", "max_deviation_um", "max_diagonal_um")
             .json("verify machine.toml --tables kit --after straight.toml")
@@ -290,7 +291,14 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         // Without a word on it nothing is made: a mean would leave half of the lost motion.
         visit.run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
         put_jobs(&visit, &job, campaign("backlash = \"two-tables\"\n"));
-        visit.yes("generate job.toml -o kit");
+        // Of the cross terms nothing tells it.
+        let made = visit.run("generate job.toml -o kit").answers();
+        made.says("moving -), µm: EXX -").omits("EYX +0.000");
+        let planned = format!("[program]\nwhat = \"step-diagonal\"\nruns = 2\n{program}{BOX}");
+        visit.put("planned.toml", visit.read("job.toml") + &planned);
+        let run = "simulate planned.toml --machine errors.csv --without-tables --force -o s.csv";
+        let back = if how.is_empty() { "forward only" } else { "forward, and back" };
+        visit.run(run).ends(0).says(&format!("2 run(s), {back}"));
         let after = judged(&visit, "--tables kit");
         // The noise of B is loaded with it, and may be taken for a disturbed reading: pass or undecided.
         assert_ne!(after["verdict"], "fail", "{after:#}");

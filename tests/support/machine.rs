@@ -323,7 +323,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         }
         if fanuc && random.one_in(4) {
             features.push("parameter_3605");
-            axes_text += "parameter_3605 = \"10000000\"\n";
+            axes_text += &format!("parameter_3605 = \"100000{}0\"\n", u8::from(interpolated));
         }
         if siemens && random.one_in(4) {
             axes_text += "measuring_system = 2\n";

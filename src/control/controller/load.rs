@@ -36,7 +36,9 @@ pub fn profile(
     let own_end = source.text.len();
     let templates = Templates { find: templates, own_end, proved: &proved() };
     let read = |root: &Section<'_>| read_profile(root, origin, &below, templates);
-    Ok(read_page_over(source, &below, lay_over, read)?.0)
+    let pages: Vec<(&str, &str)> =
+        below.iter().map(|page| ("the built-in profile", *page)).collect();
+    Ok(read_page_over(source, &pages, lay_over, read)?.0)
 }
 
 /// The pages that a page builds on, the nearest first.

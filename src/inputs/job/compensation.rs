@@ -253,6 +253,18 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
         section.in_order("end_mm", [start, end]);
     }
+    let found = settings.parameter_3605.map(|bits| bits & 0b10 != 0);
+    if let (Some(found), Some(stated)) = (found, settings.interpolated)
+        && found != stated
+    {
+        let words =
+            format!("`interpolated` is {stated}, but 3605#1 was found as {}", u8::from(found));
+        section.problem(
+            "interpolated",
+            words,
+            "leave `interpolated` out: 3605#1 stays as it was found",
+        );
+    }
     Some(settings)
 }
 

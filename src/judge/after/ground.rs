@@ -3,7 +3,7 @@
 
 use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::inputs::error_table::Cause;
-use crate::inputs::job::{Job, Linear, LinearSlope, MeasuredData};
+use crate::inputs::job::{Frame, Job, Linear, LinearSlope, MeasuredData};
 use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, Volume};
@@ -28,6 +28,11 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
         }
     }
     problems.extend(same_kind_of_scale(first, second));
+    if !second.acceptance.asks_nothing() && second.acceptance != first.acceptance {
+        let words = "the second job asks for other limits than the first";
+        let help = "both are judged by those of the first job: state there what is asked, and nothing here";
+        problems.push(second.problem_at("acceptance", words).help(help));
+    }
     problems.or_ok(())
 }
 
@@ -40,7 +45,7 @@ fn same_kind_of_scale(first: &Job, second: &Job) -> Problems {
     let mut problems = Problems::none();
     if (stated(first), stated(second)) == (Some(true), Some(false)) {
         let message = "the second job does not state [measurement.step_diagonal.material], the first one does";
-        let problem = second.problem_at("measurement.step_diagonal", message.to_string());
+        let problem = second.problem_at("", message.to_string());
         problems.push(problem.help("state it with the temperatures of the second measurement: they are never taken from the first"));
     }
     problems
@@ -310,13 +315,16 @@ fn repeats_bias(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
     is_repeated.then_some(AsLeft::RepeatsBias { what, at_most })
 }
 
-/// Slopes of cross terms hold the rotation of the frame they are given in.
+/// Slopes of cross terms hold the rotation of the frame they are given in; as measured it is another one each time.
 fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
     let crossed =
         |(term, _): (ErrorTerm, &MeasuredTerm)| term.is_cross() && before.terms[term].is_some();
     let rotates = after.measured().any(crossed);
     let [first, second] = [before, after].map(|model| model.remarks.frame);
-    (rotates && first != second).then_some(AsLeft::OtherFrame { first, second })
+    match first == second {
+        false => rotates.then_some(AsLeft::OtherFrame { first, second }),
+        true => (rotates && first == Some(Frame::AsMeasured)).then_some(AsLeft::OwnFrames),
+    }
 }
 
 /// The reversal of a second measurement in both directions, where the first one did not tell them

@@ -255,7 +255,7 @@ fn of_measurements(question: &Question<'_>) -> Vec<Hypothesis> {
         turned(Change::FirstTurned, "first", "the first", "so have the tables"),
         turned(Change::SecondTurned, "second", second, "the tables do not act"),
     ];
-    if question.under_tables.is_some() {
+    if question.under_tables.is_some_and(|under| under.terms != question.before.terms) {
         let old = [(OLD_ACTIVE, false), (OLD_BESIDE, true)];
         let tables = "the tables that were active while measuring";
         all.extend(old.map(|(kind, beside)| Hypothesis::new(kind, Change::Old { beside }, tables)));

@@ -255,7 +255,11 @@ impl fmt::Display for RestsOn {
                 let words: Vec<&str> = causes.iter().map(|cause| words(*cause)).collect();
                 write!(out, "{} neglected by decision", words.join(", "))
             }
-            RestsOn::Unused(keys) => write!(out, "stated and not counted: {}", keys.join(", ")),
+            RestsOn::Unused(keys) => write!(
+                out,
+                "stated of readings, which a table of errors holds in its own uncertainties: {}",
+                keys.join(", ")
+            ),
             RestsOn::NineNeeded => out.write_str(
                 "body diagonals need all nine errors, none measured in one direction only",
             ),

@@ -21,14 +21,15 @@ pub(crate) fn states(source: &Source, key: &str) -> bool {
 /// A page may build on others, the nearest first: `lay_over` takes into a page what it wants of the one below. The
 /// places below are those of a text in which one page follows the other.
 pub(crate) fn read_page<T>(
-    (mut source, below, lay_over): (Source, &[&str], LayOver),
+    (mut source, below, lay_over): (Source, &[(&str, &str)], LayOver),
     needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
     besides: impl FnOnce(&Section<'_>),
 ) -> Result<(T, Source), Problems> {
     refuse_large_page(&source.name, source.text.len())?;
     let mut texts = vec![source.text.clone()];
-    for page in below {
+    for (name, page) in below {
+        source.below.push((source.text.len(), name.to_string()));
         texts.push(format!("{}{page}", " ".repeat(source.text.len())));
         source.text.push_str(page);
     }
@@ -63,7 +64,7 @@ pub(crate) fn read_page<T>(
 /// The same of a page all of whose keys are needed.
 pub(crate) fn read_page_over<T>(
     source: Source,
-    below: &[&str],
+    below: &[(&str, &str)],
     lay_over: LayOver,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<(T, Source), Problems> {

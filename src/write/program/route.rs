@@ -2,7 +2,7 @@
 //! one set-up, in both directions.
 
 use crate::inputs::job::{ProgramRequest, RunType, TargetGrid, WayBack};
-use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis};
+use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis};
 use crate::text::Problems;
 use crate::write::grid::{LengthDigit, whole};
 use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram};
@@ -228,11 +228,12 @@ pub(super) fn refuse_between_digits(task: RunTask<'_>, problems: &mut Problems) 
         let mm = request.volume.start[axis].mm();
         if resolution.digits(mm).is_none() {
             let words = format!(
-                "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
+                "the start of {axis} is {} mm, expected a multiple of {}, the last digit of a position",
+                Figure(mm).trimmed(6),
                 resolution.words()
             );
             let problem = task.job.problem_at(&format!("{path}.{}", axis.key()), words);
-            let nearest = resolution.mm(resolution.nearest(mm));
+            let nearest = Figure(resolution.mm(resolution.nearest(mm))).trimmed(6);
             problems.push(problem.help(format!("the nearest is {nearest} mm")));
         }
     }
@@ -251,13 +252,15 @@ fn refuse_step(task: RunTask<'_>, axis: Axis, problems: &mut Problems) {
         return;
     }
     let below = resolution.at_most(step).max(1);
-    let nearest = resolution.mm(below * i64::try_from(steps).unwrap_or(1));
+    let mm = |digits| Figure(resolution.mm(digits)).trimmed(6);
+    let nearest = mm(below * i64::try_from(steps).unwrap_or(1));
     let words = format!(
-        "{size} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
+        "{} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
+        Figure(size).trimmed(6),
         resolution.words()
     );
     let problem = task.job.problem_at(&format!("{}.{}", request.size_path, axis.key()), words);
-    let below = resolution.mm(below);
+    let below = mm(below);
     problems
         .push(problem.help(format!("the nearest below is {nearest} mm ({steps} x {below} mm)")));
 }

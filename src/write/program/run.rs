@@ -3,7 +3,7 @@
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Profile, builtin};
 use crate::inputs::job::{Job, ProgramRequest, RunType};
-use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis, Squared, unit};
+use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis, Squared, unit};
 use crate::text::{Finding, Problem};
 use crate::write::control_text::with_point;
 use crate::write::grid::{LengthDigit, as_number, whole};
@@ -21,7 +21,7 @@ impl LengthDigit {
         let digit = format!("{digit:.*} {}", self.decimals as usize, self.unit.word());
         match self.unit {
             ControlUnit::Millimetre => digit,
-            ControlUnit::Inch => format!("{digit} ({} mm)", self.mm(1)),
+            ControlUnit::Inch => format!("{digit} ({} mm)", Figure(self.mm(1)).trimmed(6)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Kits that follow each other, as the program reads and writes them.
 
 use super::*;
-use crate::support::{Ran, Visit};
+use crate::support::{Ran, Visit, replaced};
 
 fn job(active: &str) -> String {
     siemens(&format!("active_while_measuring = \"{active}\""))
@@ -27,6 +27,11 @@ fn the_history_of_a_kit_is_followed_and_its_breaks_are_named() {
     history().ends(0);
     rename("kit1.previous", "elsewhere");
     history().ends(1).says("BREAKS here: the predecessor `kit1` is not found");
+    // A kit of the name that its predecessor has is not taken for it.
+    let manifest = visit.read("kit2/manifest.json");
+    visit.put("kit2/manifest.json", replaced(&manifest, "\"kit1\"", "\"elsewhere/kit2\""));
+    history().ends(1).says("BREAKS here: the predecessor `elsewhere/kit2` is not found");
+    visit.put("kit2/manifest.json", manifest);
     rename("elsewhere", "kit1");
     visit.put("kit1/NONIUS_EEC.MPF", "M30\n");
     visit.run("history kit2 --format json").ends(1).says("was changed after it was made");
