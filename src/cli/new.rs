@@ -30,7 +30,7 @@ pub(super) struct Options {
     /// inches each with `in`: 32in,20in,-16:0in
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
         num_args = 1, required_unless_present = "from", value_parser = ends)]
-    travel: Vec<(f64, f64)>,
+    travel: Vec<Ends>,
     /// Readings of the four body diagonals, in place of an error table
     #[arg(long)]
     readings: bool,
@@ -51,8 +51,11 @@ pub(super) struct Options {
     output: Output,
 }
 
+/// Ends of a travel, mm, and whether they were given in inches.
+type Ends = ((f64, f64), bool);
+
 /// `800` = 0 … 800, `-400:0` = both ends, `-16:0in` = both in inches.
-fn ends(text: &str) -> Result<(f64, f64), String> {
+fn ends(text: &str) -> Result<Ends, String> {
     let (low, high) = text.split_once(':').unwrap_or(("0", text));
     let (high, mm) = match high.trim().strip_suffix("in") {
         Some(inches) => (inches, MM_PER_INCH),
@@ -62,7 +65,8 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
     let ends = number(low).zip(number(high));
     let is_travel =
         |(low, high): &(f64, f64)| low < high && low.abs().max(high.abs()) <= LONGEST_MM;
-    ends.filter(is_travel).ok_or_else(|| {
+    let inches = mm > 1.0;
+    ends.filter(is_travel).map(|ends| (ends, inches)).ok_or_else(|| {
         let expected =
             "expected a length in mm (or `32in`), or the ends of the travel as LOW:HIGH, for each of X,Y,Z";
         match ends {
@@ -108,7 +112,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 type Beginning = (Profile, Begun, Vec<String>);
 
 fn first(options: &Options, files: &dyn Files, directory: &Path) -> Result<Beginning, Problems> {
-    let [x, y, z] = <[(f64, f64); 3]>::try_from(options.travel.clone()).map_err(|travel| {
+    let [x, y, z] = <[Ends; 3]>::try_from(options.travel.clone()).map_err(|travel| {
         let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
         Problem::new(format!("`--travel` names {count} axes, expected X, Y and Z")).help(help)
     })?;
@@ -117,7 +121,8 @@ fn first(options: &Options, files: &dyn Files, directory: &Path) -> Result<Begin
     let visit = Visit {
         profile: &profile,
         controller: &from_inside(controller, directory),
-        travel: PerAxis { x, y, z },
+        travel: PerAxis { x: x.0, y: y.0, z: z.0 },
+        inches: [x, y, z].iter().any(|(_, inches)| *inches),
         steps: options.steps,
         readings: options.readings,
         both_directions: options.both_directions,

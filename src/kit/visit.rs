@@ -14,7 +14,8 @@ pub use self::again::{Earlier, Measured};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::inputs::job::keys;
-use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis, pitch};
+use crate::quantity::pitch::{self, DIGIT_MM};
+use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis};
 use crate::text::{Problem, Problems, joined};
 use crate::write::emit::{TOOL, filled};
 use serde::Serialize;
@@ -51,6 +52,8 @@ pub struct Visit<'a> {
     pub controller: &'a str,
     /// Ends of the travel of each axis, mm.
     pub travel: PerAxis<(f64, f64)>,
+    /// Whether they were given in inches: so are the digits of the control.
+    pub inches: bool,
     /// Number of equal steps of each axis.
     pub steps: Option<u32>,
     /// Readings of the body diagonals instead of errors.
@@ -197,10 +200,11 @@ impl Visit<'_> {
 
     /// Start and size of the box of the diagonals: the largest with equal steps that keeps the margin.
     fn box_of_run(&self) -> Result<[String; 2], Problem> {
-        let steps = f64::from(self.steps());
+        let (steps, digit_mm) = (f64::from(self.steps()), DIGIT_MM[usize::from(self.inches)]);
         let step = |axis| {
             let length = self.length(axis);
-            pitch::step_mm(LEAST * length / steps, (length - 2.0 * MARGIN_MM) / steps, self.steps())
+            let [shortest, longest] = [LEAST * length, length - 2.0 * MARGIN_MM];
+            pitch::step_mm(shortest / steps, longest / steps, self.steps(), digit_mm)
         };
         if let Some(short) = Axis::ALL.into_iter().find(|axis| step(*axis) <= 0.0) {
             let length = millimetres(self.length(short));
@@ -209,7 +213,11 @@ impl Visit<'_> {
             return Err(Problem::new(words).help("ask for fewer with `--steps`"));
         }
         let size = |axis| step(axis) * steps;
-        let start = |axis| self.travel[axis].0 + (self.length(axis) - size(axis)) / 2.0;
+        let start = |axis| {
+            let off = (self.length(axis) - size(axis)) / 2.0;
+            let whole = if self.inches { (off / digit_mm).floor() * digit_mm } else { off };
+            self.travel[axis].0 + whole
+        };
         let one = |axis: Axis, mm| format!("{} = {}", axis.key(), millimetres(mm));
         let place = |of: &dyn Fn(Axis) -> f64| joined(Axis::ALL.map(|axis| one(axis, of(axis))));
         Ok([place(&start), place(&size)])

@@ -254,8 +254,13 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
         section.in_order("end_mm", [start, end]);
     }
     if settings.parameter_3605.is_some_and(|bits| bits & 0b1100 != 0) {
-        let words = "3605 with bit 2 or 3 (arbitrary-pitch, cyclic second compensation) is not emulated";
-        section.problem("parameter_3605", words, "such a control is not served; are the bits those of this axis?");
+        let words =
+            "3605 with bit 2 or 3 (arbitrary-pitch, cyclic second compensation) is not emulated";
+        section.problem(
+            "parameter_3605",
+            words,
+            "such a control is not served; are the bits those of this axis?",
+        );
     }
     let found = settings.parameter_3605.map(|bits| bits & 0b10 != 0);
     if let (Some(found), Some(stated)) = (found, settings.interpolated)

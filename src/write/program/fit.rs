@@ -1,6 +1,7 @@
 //! What a run must keep: travel, feed, readings; and the largest box that would fit.
 
-use crate::inputs::job::{DiagonalMeasurement, ProgramRequest, RunType, TargetGrid};
+use crate::control::controller::ControlUnit;
+use crate::inputs::job::{DiagonalMeasurement, RunType, TargetGrid};
 use crate::quantity::{Axis, PerAxis, pitch, rounded};
 use crate::text::{Finding, Problems};
 use crate::write::findings::RunFinding;
@@ -69,7 +70,7 @@ pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<Finding> {
         unchecked(task),
         near_the_end(task),
         other_box(task),
-        hides_pitches(task.request),
+        hides_pitches(task),
         protected_number(task, programs),
     ];
     notes.into_iter().flatten().map(Finding::from).collect()
@@ -79,12 +80,15 @@ pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<Finding> {
 const SHORTER: f64 = 0.95;
 
 /// Steps that are a multiple of a usual pitch on an axis, and those that are not.
-fn hides_pitches(request: &ProgramRequest) -> Option<RunFinding> {
+fn hides_pitches(task: RunTask<'_>) -> Option<RunFinding> {
+    let request = task.request;
+    let inches = task.job.compensation.control_unit == ControlUnit::Inch;
     let steps = u32::try_from(request.volume.steps).ok()?;
     let of = |axis: Axis| {
         let step_mm = request.volume.step_mm(axis);
         let is_hidden = pitch::unseen(&request.volume.positions(axis)).contains(&true);
-        let other_mm = pitch::step_mm(SHORTER * step_mm, step_mm, steps);
+        let digit_mm = pitch::DIGIT_MM[usize::from(inches)];
+        let other_mm = pitch::step_mm(SHORTER * step_mm, step_mm, steps, digit_mm);
         (is_hidden && request.targets == TargetGrid::Equal).then_some((axis, step_mm, other_mm))
     };
     let axes: Vec<(Axis, f64, f64)> = moving(request).into_iter().filter_map(of).collect();
