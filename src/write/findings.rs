@@ -8,7 +8,7 @@ findings! {
     TableFinding {
         OfTarget { terms: Vec<ErrorTerm>, note: String } => Note, "{}: {note}", joined(terms);
         MeanOnly { term: ErrorTerm, left: String, with_um: f64 } => Note, "{term}: the mean of both directions is used instead of two tables; {left} ({with_um:.1} µm with two tables for {term})";
-        WrittenSpacing { axis: Axis, asked_mm: f64, written: f64, unit: &'static str, spacing_mm: f64 } => Note, "{axis}: the control writes a spacing of {asked_mm} mm as {written} {unit} = {spacing_mm:.6} mm; points and values are those of the written spacing";
+        WrittenSpacing { axis: Axis, asked_mm: f64, written: f64, unit: &'static str, spacing_mm: f64 } => Note, "{axis}: the control writes a spacing of {asked_mm:.6} mm as {written} {unit} = {spacing_mm:.6} mm; points and values are those of the written spacing";
         ZeroPoints { axis: Axis, id: u32 } => Note, "{axis}: the pitch points of axis {id} are all zero; they carry the straightness of other axes only";
         ReferenceOff { axis: Axis, reference_mm: f64, beyond_mm: f64, travel_mm: [f64; 2] } => Note, "the reference point of {axis}, {reference_mm} mm, lies {beyond_mm:.2} mm outside the travel of the job, {} to {} mm: compare `reference_mm` and `travel_mm` with the machine; if the axis has its reference point elsewhere, switching a table on moves axes", travel_mm[0], travel_mm[1];
         OldAndResidual { path: String } => Note, "the tables of `{path}` were active during the measurement: these tables are old + residual and replace them";

@@ -12,6 +12,7 @@ use crate::inputs::error_table::Heading;
 use crate::inputs::job::{BacklashPolicy, Job, Limits};
 use crate::quantity::{Axis, Deviation, ErrorTerm, PerAxis, UM_PER_MM};
 use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped};
+use crate::write::control_text::trimmed;
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::selection::{self, Choice, Cost, TableStock};
@@ -391,7 +392,7 @@ fn check_table(task: Task<'_>, table: &PlannedTable, extent: &Extent, problems: 
     let place = |index: usize| {
         let grid = &table.grid;
         let index = grid.first + i64::try_from(index).unwrap_or(0);
-        grid.position(index).mm()
+        trimmed(grid.position(index).mm(), 6)
     };
     let (index, value) = extent.largest;
     if extent.largest_um() > limits.max_correction_um {
