@@ -6,7 +6,6 @@ use serde_json::Value;
 const ACCEPTANCE: &str = "[acceptance]\nmax_deviation_um = 1.0\n";
 const NONE_ACTIVE: &str = "active_while_measuring = \"none\"";
 const KIT_ACTIVE: &str = "active_while_measuring = \"kit\"";
-/// Rows of an error table in X and Y without uncertainty.
 const LEFT: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,0.2,0.1\nx,100,0.3,0\n";
 /// What was found, where a test states its uncertainty.
 const FOUND: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]];
@@ -43,7 +42,6 @@ fn judged(after: &str) -> Judged {
 }
 
 impl Judged {
-    /// The verdict, the exit status that goes with it, and words among its causes.
     #[track_caller]
     fn is(self, verdict: &str, causes: &[&str]) -> Judged {
         assert_eq!(self.page["verdict"], verdict, "{:#}", self.page);
@@ -57,7 +55,6 @@ impl Judged {
         self
     }
 
-    /// Words among its `causes` or `notes`.
     #[track_caller]
     fn says(self, part: &str, words: &str) -> Judged {
         holds(&self.page[part].to_string(), &[words]);
@@ -71,7 +68,6 @@ impl Judged {
     }
 }
 
-/// A table in X and Y with the same standard uncertainty everywhere.
 fn table(rows: &[[f64; 3]], u_um: f64) -> String {
     let row = |[at, ex, ey]: &[f64; 3]| format!("x,{at},{ex},{ey},{u_um},{u_um}\n");
     let head = "axis,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n".to_string();

@@ -5,7 +5,6 @@ use nonius::quantity::{ErrorTerm, PerAxis, PerTerm};
 use nonius::volume::definitions::ByComponent;
 use serde_json::Value;
 
-/// The document of a command that ends with 0.
 #[track_caller]
 pub(crate) fn document(visit: &Visit, command: &str) -> Value {
     visit.run(&format!("{command} --format json")).ends(0).json()

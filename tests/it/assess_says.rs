@@ -6,7 +6,6 @@ use crate::support::{
 };
 use serde_json::{Value, json};
 
-/// A command that ends with 0, with its explanations.
 #[track_caller]
 fn explained(visit: &Visit, command: &str) -> Ran {
     visit.run(&format!("{command} --explain")).ends(0)

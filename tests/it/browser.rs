@@ -8,7 +8,6 @@ use std::process::{Command, Output};
 const JOB: &str = "fixtures/nine_errors_900/siemens-840d-sl.toml";
 const READINGS: &str = "fixtures/start/readings/job.toml";
 
-/// Runs the program in the repository; `OUT` is the folder of the visit.
 fn run(visit: &Visit, command: &str) -> Ran {
     in_repository(&command.replace("OUT", &visit.folder().display().to_string()))
 }

@@ -2,12 +2,10 @@
 use crate::support::{Random, Visit, error_rows, holds, number};
 use serde_json::Value;
 
-/// Noise of both measurements, µm.
 const NOISE_UM: f64 = 0.2;
 /// Reversal of the machines that have one, µm.
 const REVERSAL_UM: f64 = 6.0;
 
-/// A machine with X and Y, its errors and how they are corrected.
 struct Machine {
     controller: &'static str,
     /// A line under `[compensation]`; with one, measured in both directions.
@@ -102,7 +100,6 @@ fn visit(machine: &Machine) -> Visit {
 struct Found {
     kinds: Vec<String>,
     words: Vec<String>,
-    /// The look at the control that decides between the causes.
     decides: String,
     page: Value,
 }

@@ -15,7 +15,6 @@ fn visit() -> Visit {
     visit
 }
 
-/// The same with its kit; what the kit's table says.
 fn with_kit() -> (Visit, String) {
     let visit = visit().with_any_kit();
     let table = visit.read("kit/N5.TXT");

@@ -22,7 +22,6 @@ const COMMANDS: &[(&str, &str)] = &[
     ("standards", "standards {}x_axis.csv"),
 ];
 
-/// Exit status, standard output and the files afterwards.
 type Made = (Option<i32>, String, Tree);
 
 /// Runs a command in `from`; the folder of the visit is called `called`.
@@ -38,7 +37,6 @@ fn nonius() -> Command {
     Command::new(support::nonius())
 }
 
-/// Of each command, undisturbed.
 static MADE: LazyLock<Vec<Made>> =
     LazyLock::new(|| COMMANDS.iter().map(|command| made_by(nonius(), *command)).collect());
 

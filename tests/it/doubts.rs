@@ -249,7 +249,6 @@ fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     assert!(solved.stands(), "{:?}", solved.doubts);
 }
 
-/// Writes the table and the job of what it holds.
 #[track_caller]
 fn two_step(visit: &Visit, status: i32) -> Ran {
     let ran = visit.run("separate job.toml -o errors.csv").ends(status);

@@ -20,7 +20,6 @@ use tempfile::{NamedTempFile, TempDir};
 /// In an old kit or at the place of a file: gone, it would be lost.
 const USERS_OWN: &[u8] = b"what a person wrote\n";
 
-/// An old kit with a user's file in it, made from another table.
 fn old_kit(visit: &Visit) {
     let table = visit.read("errors.csv");
     visit.edit("errors.csv", "x,400,8,", "x,400,9,");
@@ -28,7 +27,6 @@ fn old_kit(visit: &Visit) {
     visit.put("errors.csv", table).put("kit/archive.arc", USERS_OWN);
 }
 
-/// An old kit, and an older one as it was made.
 fn older_kit(visit: &Visit) {
     old_kit(visit);
     fs::remove_file(visit.at("kit/archive.arc")).unwrap();
@@ -57,7 +55,6 @@ fn old_path(visit: &Visit) {
     old_file(visit);
 }
 
-/// A form for readings, and a list of captures for each diagonal.
 fn lists_and_form(visit: &Visit) {
     visit.yes("new --controller generic --travel 400,300,200 --readings -o run");
     let form = visit.read("run/readings.csv");
@@ -96,7 +93,6 @@ const SCENES: [Scene; 17] = [
     (ERRORS, lists_and_form, FORM),
 ];
 
-/// A scene with what it is before, and after a run that nothing disturbs.
 struct Played {
     command: &'static str,
     output: &'static str,
@@ -204,7 +200,6 @@ fn tidy(found: &Tree) -> Result<(), String> {
 
 struct Call {
     name: String,
-    /// Which one of that name it is.
     number: usize,
     is_refusable: bool,
 }
@@ -217,7 +212,6 @@ const NO_FILE: &str = "arch_prctl brk clock_gettime clone clone3 exit exit_group
     rt_sigprocmask rt_sigreturn sched_getaffinity sched_yield set_robust_list set_tid_address \
     sigaltstack tgkill";
 
-/// The system calls of a scene, from the first that names its output on.
 fn calls(text: &str, output: &str) -> Vec<Call> {
     let first = text.split_whitespace().next().unwrap();
     let output = output.trim_start_matches("new/deep/");
@@ -273,11 +267,9 @@ const BACKGROUND: &str = "background ";
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
-    /// Killed: nothing can be tidied up.
     Kill,
     /// Ended by Ctrl-C, the end of the session or `kill`.
     End,
-    /// The system refuses the call.
     Refuse,
 }
 
@@ -364,7 +356,6 @@ fn refused_at_any_system_call_everything_is_written_or_nothing() {
     try_faults(Fault::Refuse, &errors.each_ref().map(String::as_str), 211);
 }
 
-/// A small memory disk; unmounted at the end.
 struct Stick(TempDir);
 
 impl Stick {

@@ -23,7 +23,6 @@ const DUST_UM: f64 = 1e-3;
 const TWO_TABLES: &str = "backlash = \"two-tables\"\n";
 const PARAMETER: &str = "curve-and-parameter";
 
-/// The kit of five points, its job with something else in it.
 #[track_caller]
 fn kit_with(profile: &str, old: &str, new: &str) -> Kit {
     let (job, errors) = five_points(profile);
@@ -237,7 +236,6 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
     assert_eq!(higher.forecast, same.forecast);
 }
 
-/// The kit of X alone, measured in one direction, with limits of one's own.
 fn kit_of_x(profile: &str, rows: &str, limits: &str) -> Kit {
     let job = replaced(&five_points(profile).0, TWO_TABLES, "") + limits;
     support::generate(&job, &format!("axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\n{rows}")).1
@@ -402,7 +400,6 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
     }
 }
 
-/// What a person reads of an HTML page.
 fn seen(page: &str) -> String {
     let (_, body) = page.split_once("<body>").unwrap();
     let body = body.replace("<span class=\"blank\">&#160;</span>", "________");

@@ -16,12 +16,10 @@ mod as_a_user;
 
 const RTL: &str = "rtl_linear_bidirectional_selfmade.rtl";
 
-/// A file of `fixtures/formats`.
 fn file(name: &str) -> String {
     fixture(&format!("formats/{name}"))
 }
 
-/// The `.rtl` with other words in it.
 fn rtl(from: &str, to: &str) -> String {
     replaced(&file(RTL), from, to)
 }
@@ -43,7 +41,6 @@ fn table(name: &str, file: impl AsRef<[u8]>, stated: &Stated) -> String {
     text
 }
 
-/// Rows without comment lines.
 fn rows(table: &str) -> String {
     table.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n")
 }
@@ -79,7 +76,6 @@ fn signed(sign: TableSign) -> Stated {
     Stated { sign: Some(sign), ..Stated::default() }
 }
 
-/// Columns of an axis, both directions together.
 fn mapped(columns: &str, axis: Axis) -> Stated {
     Stated {
         columns: Some(columns.to_string()),

@@ -15,7 +15,6 @@ use tempfile::NamedTempFile;
 /// Hundred times what any of these runs takes; a square of the input, or waiting for nothing, would take hours.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Runs a command, at most that long.
 pub(super) fn patiently(visit: &Visit, command: &str, stdin: Stdio) -> Ran {
     let files = [(); 2].map(|()| NamedTempFile::new().unwrap());
     let [out, err] = files.each_ref().map(|file| file.reopen().unwrap());

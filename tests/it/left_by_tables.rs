@@ -27,7 +27,6 @@ fn control(id: &str, further: &str) -> String {
     format!("controller = \"{id}\"\n{further}\n{}", axes.concat())
 }
 
-/// A table with rows of X; Y and Z are without error.
 fn along_x(rows: &str) -> String {
     let level = "y,0,0,0,0\ny,900,0,0,0\nz,0,0,0,0\nz,900,0,0,0\n";
     format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}{level}")

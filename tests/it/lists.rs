@@ -27,7 +27,6 @@ fn increments(values: &[f64]) -> Vec<f64> {
     values.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-/// A form filled from lists with one column.
 fn fill_form(
     form: &str,
     lists: &[(Option<Diagonal>, String)],

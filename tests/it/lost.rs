@@ -16,7 +16,6 @@ pub(super) const PROGRAM: &str = "\n[program]\nwhat = \"single-axis\"\nbidirecti
     steps = 5\nstart_mm = { x = 10.0, y = 10.0, z = -190.0 }\n\
     size_mm = { x = 300.0, y = 200.0, z = 100.0 }\n";
 
-/// Runs a command, at most a while, which says so beside its data.
 #[track_caller]
 fn expect(visit: &Visit, command: &str, status: i32, says: &str) {
     told(patiently(visit, command, Stdio::null()).ends(status), says);

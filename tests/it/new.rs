@@ -97,7 +97,6 @@ fn begun(at: &Visit, id: &str, more: &str) {
     assert!(ran.err.replace('\\', "/").contains("/job.toml"), "{}", ran.err);
 }
 
-/// The ends of the box that a job with readings describes.
 fn box_ends(at: &Visit) -> [[f64; 2]; 3] {
     let job = at.read("visit/job.toml");
     let of = |key: &str, axis: &str| -> f64 {

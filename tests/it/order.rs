@@ -3,7 +3,6 @@
 use crate::support::{Entry, fixtures, page, tree};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The texts of a folder of the repository whose names end in this way.
 fn texts(folder: &str, end: &str) -> Vec<(String, String)> {
     let files = tree(&fixtures("..").join(folder)).into_iter();
     let texts = files.filter(|(name, _)| name.ends_with(end)).map(|(name, entry)| match entry {

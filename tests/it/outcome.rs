@@ -7,7 +7,6 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// A job, its errors, and readings of the diagonals.
 fn start() -> Visit {
     let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
     visit.copy("diagonals/case_b_setup/job.toml", "diagonals.toml");
@@ -15,7 +14,6 @@ fn start() -> Visit {
     visit
 }
 
-/// Commands that write something, with what they write; each succeeds.
 const WRITING: [(&str, &str); 6] = [
     ("generate job.toml -o new", "new"),
     ("generate job.toml -o above/deep/new", "above"),

@@ -247,7 +247,6 @@ fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
     text.lines().enumerate().map(|(index, line)| format!("{line}{}\n", cell(index))).collect()
 }
 
-/// Runs along one axis as the reader of measurements takes them.
 fn as_runs(form: &str) -> Result<Runs, String> {
     Runs::read(&source("readings-y.csv", form), Stated::default()).map_err(|p| p.render())
 }

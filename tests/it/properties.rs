@@ -62,7 +62,6 @@ fn spacing(rail: &Rail) -> String {
     format!("spacing_mm = {:?}", rail.spacing)
 }
 
-/// The generic table of a machine, from the bytes.
 fn rows(rails: &[Rail; 3], keys: &str) -> Vec<Row> {
     rows_of(&job(rails, "generic", keys, spacing), &csv(rails, METRIC))
 }

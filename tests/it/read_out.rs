@@ -57,7 +57,6 @@ impl Control {
         }
     }
 
-    /// The verdict on files that were read out.
     #[track_caller]
     fn judge(&self, verdict: &str, files: &[(&str, &str)]) -> Ran {
         fs::remove_dir_all(self.0.at("out")).ok();
@@ -318,7 +317,6 @@ fn a_long_file_of_another_kind_is_refused_at_once() {
     assert_eq!(ran.all().matches("-->").count(), 1, "{}", ran.all());
 }
 
-/// CEC table 9, and `more` of it.
 fn cec_9(input: &str, output: &str, more: &str) -> String {
     cec(9, [input, output], 10, [0.1, 0.2]) + "$AN_CEC_DIRECTION[9]=0\n" + more
 }

@@ -9,7 +9,6 @@ use nonius::quantity::Direction;
 use nonius::read::emulate::Emulator;
 use nonius::text::{Problems, Severity, of_severity};
 
-/// Names and bytes of files.
 type Files = Vec<(String, Vec<u8>)>;
 
 /// Files of a folder; `None`, told in one line, where they do not lie beside the repository.

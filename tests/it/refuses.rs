@@ -10,7 +10,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-/// Every page: its path, its text, its cases.
 fn pages() -> Vec<(PathBuf, String, Vec<Case>)> {
     let read = |path: PathBuf| {
         let page = fs::read_to_string(&path).unwrap().replace('\r', "");

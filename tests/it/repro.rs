@@ -23,7 +23,6 @@ const CASES: [(&str, &str, &str, &str); 16] = [
     ("names_worst", "setup_ppm = 1\nangle_urad = 0", "undecided", "-"),
 ];
 
-/// A copy of a case; `None` = ../shared is not here.
 fn copy_of(case: &str) -> Option<Visit> {
     shared(&format!("repro/{case}")).map(|path| Visit::of(path.to_str().unwrap()))
 }
@@ -181,7 +180,6 @@ fn what_the_next_measurement_repeats_hangs_on_what_is_stated() {
     visit.run("separate job.toml").ends(2).says("the angles of X are to be zero at -1 mm");
 }
 
-/// A case, and what is said of it that once was not.
 const ONCE_SILENT: [(&str, &str, &str); 5] = [
     ("forecast_u", "generate job.toml -o kit", "verdict: undecided"),
     ("student", "generate job.toml -o kit", "verdict: undecided"),

@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 
 const NOISE: &str = "[measurement.uncertainty]\nnoise_um = 0.1\nlaser_ppm = 0\nbeam_mrad = 0\n";
 
-/// A golden case with lines before its section [compensation].
 fn case_with(name: &str, lines: &str) -> Visit {
     let visit = golden_case(name);
     visit.edit("job.toml", "[compensation]", &format!("{lines}\n[compensation]"));

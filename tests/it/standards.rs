@@ -70,7 +70,6 @@ fn near(found: Option<f64>, expected: f64) {
     assert!((found - expected).abs() < DUST, "{found}, expected {expected}");
 }
 
-/// A figure moving up, moving down, and of both.
 #[track_caller]
 fn all_near(found: ByDirection, [up, down, both]: [f64; 3]) {
     near(found.up_um, up);
@@ -351,7 +350,6 @@ fn read(text: &str, stated: Stated) -> Result<Runs, String> {
     Runs::read(&source("runs.csv", text), stated).map_err(|problems| problems.render())
 }
 
-/// Deviations of the first run at every target.
 fn first_run(runs: &Runs, direction: Direction) -> Vec<f64> {
     runs.deviations_um(direction).unwrap().iter().map(|um| um[0]).collect()
 }

@@ -3,7 +3,6 @@ use crate::separate::{near, runs_back, straight};
 use crate::support::{Ran, Visit, fixtures, holds, number};
 use serde_json::{Value, json};
 
-/// Runs it on a file of the fixtures, or on that of an absolute path.
 fn standards(file: &str, options: &str) -> Ran {
     Visit::new().run(&format!("standards \"{}\" {options}", fixtures(file).display()))
 }

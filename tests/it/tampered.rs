@@ -61,19 +61,16 @@ impl Kit {
         ran
     }
 
-    /// It is as the job asks with one file changed.
     #[track_caller]
     fn yes(&self, file: &str, change: impl Fn(&str) -> String) -> Ran {
         self.changed(file, change).ends(0)
     }
 
-    /// It is not as the job asks with one file changed.
     #[track_caller]
     fn no(&self, file: &str, change: impl Fn(&str) -> String) -> Ran {
         self.changed(file, change).ends(1)
     }
 
-    /// It cannot be read with one file changed.
     #[track_caller]
     fn unread(&self, file: &str, change: impl Fn(&str) -> String) -> Ran {
         self.changed(file, change).ends(2)
@@ -197,7 +194,6 @@ fn rows(keep: impl Fn(&mut [String]) -> bool) -> impl Fn(&str) -> String {
     move |text| with_cells(text, |cells| cells[0] == "term" || cells.len() == 1 || keep(cells))
 }
 
-/// The figures of some columns changed.
 fn columns(first: usize, count: usize, change: fn(f64) -> f64) -> impl Fn(&str) -> String {
     rows(move |cells| {
         for cell in cells.iter_mut().skip(first).take(count).filter(|cell| !cell.is_empty()) {

@@ -24,7 +24,6 @@ fn cells(row: &str) -> Vec<&str> {
     row.split(',').collect()
 }
 
-/// What `verify` says of a list alone.
 fn judged(visit: &Visit, list: &str) -> Ran {
     visit.put("seen/screen.csv", list).run("verify job.toml --tables seen -v")
 }

@@ -33,7 +33,6 @@ fn is_near(um: f64, wanted: f64) {
     assert!((um - wanted).abs() < 1e-9, "{um} µm, not {wanted}");
 }
 
-/// A job of two axes with what is added to `[measurement]` and `[compensation]`.
 pub(super) fn small(controller: &str, measurement: &str, compensation: &str, axes: &str) -> String {
     format!(
         "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\ncontroller = \"{controller}\"\n{compensation}\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}"

@@ -13,7 +13,6 @@ const SIZE: &str = "{ x = 900.0, y = 720.0, z = 720.0 }";
 
 const SIMULATED: &str = "SIMULATED, not measured";
 
-/// Lines under [program], [measurement.step_diagonal] and [compensation].
 type Campaign = [&'static str; 3];
 
 const FORWARD: Campaign = ["bidirectional = false", "", ""];
@@ -57,7 +56,6 @@ fn measured(visit: &Visit, tables: &str, seed: u32, [readings, linear]: [&str; 2
     visit.yes(&format!("{simulate} --errors --seed {} -o {linear}", seed + 1));
 }
 
-/// What the page says after the second measurement, with these tables loaded.
 fn judged(visit: &Visit, tables: &str) -> Value {
     measured(visit, tables, 3, ["after.csv", "linear-after.csv"]);
     visit.json("verify job.toml --tables kit --after after.toml")
@@ -128,7 +126,6 @@ fn kinds(after: &Value) -> Vec<&str> {
     causes(after).filter_map(|cause| cause["kind"].as_str()).collect()
 }
 
-/// The words of the cause of this kind, among them those given.
 #[track_caller]
 fn is_named(after: &Value, kind: &str, holds: &str) -> String {
     let own = causes(after).find(|cause| cause["kind"] == kind);

@@ -14,7 +14,6 @@ struct Machine {
     positions: PerAxis<Vec<f64>>,
     /// For each axis and position: EX, EY, EZ (µm), EA, EB, EC (µrad).
     values: PerAxis<Vec<[f64; 6]>>,
-    /// Further lines of [measurement].
     measurement: String,
 }
 

@@ -43,7 +43,6 @@ impl Bench {
         Bench(visit)
     }
 
-    /// What `path` makes of a program, or what it says.
     fn ours(&self, program: &[u8], keys: &str) -> Result<Walked, String> {
         self.0.put("job.toml", job(keys)).put("part.nc", program);
         let ran = self.0.run("path job.toml part.nc --format json");
@@ -59,7 +58,6 @@ impl Bench {
         Ok(walked)
     }
 
-    /// What LinuxCNC makes of it, or what it says.
     fn theirs(&self, program: &str, inch: bool) -> Result<Walked, String> {
         // The tools of all that run at once lie in one place of the home directory.
         static ONE: Mutex<()> = Mutex::new(());
@@ -152,7 +150,6 @@ fn compare(ours: &Walked, theirs: &Walked) -> Result<(), String> {
     Err(format!("length by {length:.4} mm, box by {box_mm:.4} mm\n{both}"))
 }
 
-/// Unit of a program, and its language.
 type Unit = (&'static str, &'static str);
 const MM: Unit = ("mm", "iso");
 const INCH: Unit = ("inch", "iso");

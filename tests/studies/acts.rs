@@ -139,7 +139,6 @@ impl Trial {
         of
     }
 
-    /// Measures an axis along its length.
     fn add(&mut self, of: &mut Series, (axis, own_u): (usize, f64)) {
         let left = read_table(&self.simulated(of.active, "--errors"));
         let um = &left.curves[own(Axis::ALL[axis])];

@@ -13,12 +13,10 @@ use nonius::read::emulate::Emulator;
 use nonius::write::plan::axis_pairs;
 use std::fmt::Write;
 
-/// Noise of both measurements, µm.
 const NOISE_UM: f64 = 0.15;
 /// Expansion that the program takes where no job states one, 1/K.
 const STEEL_PER_K: f64 = 11.5e-6;
 
-/// What is done to the control or the machine.
 #[derive(Clone, Copy, Debug)]
 struct Fault {
     /// The word by which the program has to name it.
@@ -93,7 +91,6 @@ struct Rig {
     visit: Visit,
 }
 
-/// Axes of a machine with the ends of their travels, mm.
 pub(super) type Travels = [(&'static str, f64, f64); 3];
 
 const TRAVELS: Travels = [("x", 0.0, 900.0), ("y", 0.0, 600.0), ("z", -480.0, 0.0)];
@@ -116,7 +113,6 @@ pub(super) fn job_text(
     job_measured(measurement, compensation, axes) + &format!("[acceptance]\n{acceptance}\n")
 }
 
-/// A wavy curve with a slope.
 fn curve(random: &mut Random, size: f64, places: Vec<Millimetres>) -> Vec<f64> {
     let (low, high) = (places[0].mm(), places[places.len() - 1].mm());
     let (a, b, slope) =
@@ -171,7 +167,6 @@ fn table(
     })
 }
 
-/// The control with a fault of its backlash parameters.
 fn control(rig: &Rig, fault: Fault) -> Box<dyn Emulator> {
     let mut state = rig.kit.compiled.state.clone();
     state.axes.iter_mut().for_each(|axis| axis.backlash_um = (fault.backlash_um)(axis.backlash_um));
@@ -303,7 +298,6 @@ fn faults(rig: &Rig) -> Vec<Fault> {
     list
 }
 
-/// A term by other names of its axes.
 fn renamed(term: ErrorTerm, axes: [Axis; 3]) -> ErrorTerm {
     ErrorTerm { of: axes[term.of as usize], along: axes[term.along as usize] }
 }

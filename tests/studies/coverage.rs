@@ -59,7 +59,6 @@ impl Tally {
 struct Way<'a> {
     steps: usize,
     repeats: u32,
-    /// Linear axes beside the diagonals.
     axes: &'a [Axis],
     /// Reverse passes: whether after an overrun.
     back: Option<bool>,

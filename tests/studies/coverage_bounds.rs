@@ -257,7 +257,6 @@ fn measured(row: &Row, is_stated: bool, seed: u64) -> (Machine, Separation) {
     (truth, found)
 }
 
-/// The figures of the table: points, far ends, squareness.
 const FIGURES: [&str; 3] = ["points ", "end ", "stated squareness "];
 
 /// Share of the points of all curves together.
@@ -338,7 +337,6 @@ fn tally(row: &Row, is_stated: bool, place: u64, many: u64) -> Tally {
     tally
 }
 
-/// Points of all curves together, by term, squareness.
 fn cells(tally: &Tally) -> String {
     let [points, _, squareness] = shares(tally).map(|shares| percent(&shares));
     format!("{:.1} | {points} | {squareness}", 100.0 * pooled(tally))

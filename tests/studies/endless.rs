@@ -2,7 +2,6 @@
 //! seconds unoptimised: plain `cargo test` runs that of fixtures/cases/refuses/path.txt alone.
 use crate::support::{Ran, Visit, short_or};
 
-/// What `nonius path` says of a program.
 fn path(program: &str) -> Ran {
     let visit = Visit::of("base/part");
     visit.put("part.nc", program).run("path job.toml part.nc --format json")

@@ -29,7 +29,6 @@ const KINDS: [&str; 3] = ["two of NPP, PNP, PPN", "PPP and another", "another or
 
 /// What went wrong, in the words of the page: which diagonal was walked under each name, and the order of the steps.
 struct Slip {
-    /// Of `KINDS`.
     kind: usize,
     words: String,
     walked: PerDiagonal<Diagonal>,

@@ -235,7 +235,6 @@ fn vector(machine: &Machine) -> DVector<f64> {
     all
 }
 
-/// The machine that has the errors of such a vector.
 fn machine_of(all: DVectorView<'_, f64>) -> Machine {
     let mut machine = Machine::perfect(&box_of(STEPS));
     for term in ErrorTerm::ALL {
@@ -357,7 +356,6 @@ impl Dense {
     }
 }
 
-/// That of 95 %.
 fn quantile(mut all: Vec<f64>) -> f64 {
     all.sort_by(f64::total_cmp);
     all[DRAWS * 95 / 100]

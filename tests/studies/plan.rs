@@ -30,7 +30,6 @@ struct Row {
     /// Where the reference lies: the share of the travel.
     reference: f64,
     steps: usize,
-    /// Keys of `[program]`.
     program: &'static str,
     /// σ of a reading, µm, and whether the job states it.
     noise: (f64, bool),
@@ -105,7 +104,6 @@ fn read(text: &str) -> Job {
     shown(Job::read_for(source("job.toml", text), UseOf::Figures))
 }
 
-/// The truth of a machine, and what a visit finds.
 fn visited(row: &Row, planned: &Visit, job: &Job, seed: u64) -> (Machine, Separation) {
     let mut random = seeded(seed);
     let machine = Machine::random(&volume(row.size, row.steps), &mut random);
@@ -221,7 +219,6 @@ impl Shares {
     }
 }
 
-/// Points, far ends, squareness.
 fn count(shares: &mut [Shares; 3], truth: &Machine, planned: &Separation, found: &Separation) {
     for term in ErrorTerm::ALL {
         let [plan, read] = [planned, found].map(|of| of.errors.mean[term].as_ref());

@@ -33,7 +33,6 @@ pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Machine {
     machine
 }
 
-/// Of every term along and of which axis.
 fn terms() -> impl Iterator<Item = (Axis, Axis)> {
     Axis::ALL.into_iter().flat_map(|along| Axis::ALL.map(|of| (along, of)))
 }

@@ -15,7 +15,6 @@ use rand_distr::{Distribution, StandardNormal};
 pub(crate) const SIGMA_UM: f64 = 0.3;
 pub(crate) const U_LINE_UM_PER_M: f64 = 0.5;
 
-/// Readings of a pass along each diagonal, µm.
 pub(crate) type Readings = PerDiagonal<Vec<f64>>;
 
 /// A machine and the way it was measured.
@@ -54,7 +53,6 @@ pub(crate) fn own(axis: Axis) -> ErrorTerm {
     ErrorTerm { of: axis, along: axis }
 }
 
-/// The numbers of a seed.
 pub(crate) fn seeded(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
@@ -68,7 +66,6 @@ pub(crate) fn float(count: usize) -> f64 {
 }
 
 impl Machine {
-    /// Without any error.
     pub(crate) fn perfect(volume: &Volume) -> Machine {
         Machine {
             volume: volume.clone(),
@@ -287,7 +284,6 @@ pub(crate) fn run(diagonal: Diagonal, number: u32, pass: Pass, readings: &[f64])
     }
 }
 
-/// One run of every diagonal.
 pub(crate) fn runs(number: u32, pass: Pass, readings: &Readings) -> Vec<Run> {
     let one = |d: Diagonal| run(d, number, pass, &readings[d]);
     Diagonal::ALL.map(one).into()
@@ -300,7 +296,6 @@ pub(crate) fn with_noise(readings: &Readings, sigma: f64, random: &mut ChaCha8Rn
     })
 }
 
-/// So many runs of each pass with noise.
 pub(crate) fn noisy_runs(
     passes: &[(Pass, Readings)],
     repeats: u32,
@@ -439,7 +434,6 @@ pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
     &mean(separation, term).deviation_um
 }
 
-/// Largest error of a curve.
 pub(crate) fn largest(curve: &[f64]) -> f64 {
     curve.iter().fold(0.0, |most, um| most.max(um.abs()))
 }

@@ -41,7 +41,6 @@ impl Errors {
     }
 }
 
-/// One measured term.
 #[derive(Clone, Debug)]
 pub(crate) struct Term {
     pub(crate) term: ErrorTerm,
@@ -165,7 +164,6 @@ impl MachineAxis {
     }
 }
 
-/// A generated machine, its job and its error table.
 pub(crate) struct Machine {
     pub(crate) axes: Vec<MachineAxis>,
     pub(crate) terms: Vec<Term>,
@@ -411,7 +409,6 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     }
 }
 
-/// How the points of an axis are chosen: the feature that it is, and its line.
 fn grid_text(
     random: &mut Random,
     length: f64,

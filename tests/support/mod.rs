@@ -46,7 +46,6 @@ pub(crate) fn shown<T>(made: Result<T, Problems>) -> T {
     made.unwrap_or_else(|problems| panic!("{}", problems.render()))
 }
 
-/// A file in memory.
 pub(crate) fn source(name: &str, text: &str) -> Source {
     Source::from_bytes(name, text.as_bytes()).unwrap()
 }
@@ -125,7 +124,6 @@ pub(crate) fn measured_by(job: &str) -> DiagonalMeasurement {
     }
 }
 
-/// The measurement of a golden case of diagonals, and its readings.
 pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
     let measurement = measured_by(&text("job.toml"));
@@ -151,12 +149,10 @@ pub(crate) fn cec(
     )
 }
 
-/// The files of a kit that have this role.
 pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile> {
     kit.files.iter().filter(|file| file.role == role).cloned().collect()
 }
 
-/// The text of a file of a kit.
 #[track_caller]
 pub(crate) fn text_of<'a>(kit: &'a Kit, path: &str) -> &'a str {
     let file = kit.files.iter().find(|file| file.path == path);
@@ -168,7 +164,6 @@ pub(crate) fn checklist(kit: &Kit) -> &str {
     text_of(kit, "checklist.md")
 }
 
-/// The inputs of a kit from their texts.
 pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
     let (read_job, table) = (read_job(job), error_table(errors));
     let profile = builtin::profile(&read_job.compensation.controller).unwrap();
@@ -278,7 +273,6 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
     turned
 }
 
-/// The kit of a job.
 pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
     let inputs = inputs(job, errors);
     let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
@@ -306,13 +300,11 @@ pub(crate) fn response(
     control.response(base, output, direction).unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
-/// The correction of a response at a position, µm.
 pub(crate) fn um_at(response: &Response, mm: f64) -> f64 {
     response.correction(Millimetres::new(mm)).um()
 }
 
 impl Random {
-    /// One of a list.
     pub(crate) fn of<T: Clone>(&mut self, list: &[T]) -> T {
         self.pick(list).clone()
     }
@@ -347,7 +339,6 @@ impl Lines {
     }
 }
 
-/// What was found, in words.
 pub(crate) fn words(findings: &[Finding]) -> Vec<String> {
     findings.iter().map(ToString::to_string).collect()
 }

@@ -20,7 +20,6 @@ fn extent() -> Extent {
     }
 }
 
-/// Whether whole simulations are asked for.
 pub(crate) fn is_whole() -> bool {
     extent() == Extent::All
 }

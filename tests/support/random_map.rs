@@ -5,7 +5,6 @@ use nonius::quantity::Axis;
 use nonius::volume::space::grid_map::{AxisNode, GridMap};
 use std::ops::Range;
 
-/// What the curves of a machine look like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Family {
     /// Slope and two waves, all orders of the chain.
@@ -20,7 +19,6 @@ pub(crate) enum Family {
     Angles,
     /// A large constant beside small errors.
     FarOff,
-    /// Equal neighbours.
     Steps,
 }
 
@@ -106,7 +104,6 @@ pub(crate) fn axes_of(
     (chain, axes)
 }
 
-/// A map of up to 9 nodes an axis.
 pub(crate) fn random_map(seed: u64, family: Family) -> GridMap {
     let (chain, axes) = axes(seed, family);
     GridMap::new(chain, &axes).expect("a sound map")

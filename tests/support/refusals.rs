@@ -18,7 +18,6 @@ pub(crate) struct Case {
     pub(crate) expected: String,
 }
 
-/// The files that hold cases, in order of their names.
 pub(crate) fn pages(fixtures: &Path) -> Vec<PathBuf> {
     let folder = fs::read_dir(fixtures.join("cases/refuses")).expect("the cases are there");
     let mut pages: Vec<PathBuf> = folder.flatten().map(|entry| entry.path()).collect();
@@ -26,13 +25,11 @@ pub(crate) fn pages(fixtures: &Path) -> Vec<PathBuf> {
     pages
 }
 
-/// All cases of all files.
 pub(crate) fn all(fixtures: &Path) -> Vec<Case> {
     let read = |page: PathBuf| cases(fixtures, &fs::read_to_string(page).expect("it is text"));
     pages(fixtures).into_iter().flat_map(read).collect()
 }
 
-/// The cases of one file.
 pub(crate) fn cases(fixtures: &Path, page: &str) -> Vec<Case> {
     let parts = page.split(HEAD).skip(1);
     parts.map(|part| case(fixtures, part)).collect()

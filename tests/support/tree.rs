@@ -68,7 +68,6 @@ pub(crate) fn lay(tree: &Tree, directory: &Path) {
     }
 }
 
-/// How many files have these bytes.
 pub(crate) fn copies(tree: &Tree, bytes: &[u8]) -> usize {
     let is_copy = |entry: &&Entry| matches!(entry, Entry::File(found) if found == bytes);
     tree.values().filter(is_copy).count()
@@ -84,7 +83,6 @@ pub(crate) fn difference(before: &Tree, after: &Tree) -> String {
     names.join(", ")
 }
 
-/// Says why a test did nothing.
 pub(crate) fn skipped(why: &str) {
     told(&format!("skipped: {why}"));
 }

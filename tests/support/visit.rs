@@ -22,7 +22,6 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     is_here.then_some(path)
 }
 
-/// The text of a fixture.
 pub(crate) fn fixture(name: &str) -> String {
     fs::read_to_string(fixtures(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
@@ -53,7 +52,6 @@ pub(crate) fn nonius() -> String {
     std::env::var("NONIUS_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_nonius").to_string())
 }
 
-/// Whether it is that of Windows.
 pub(crate) fn is_of_windows() -> bool {
     cfg!(windows) || nonius().contains("/.wine/")
 }
@@ -75,9 +73,7 @@ pub(crate) fn program(folder: &Path, arguments: &str) -> Command {
 pub(crate) struct Ran {
     pub(crate) command: String,
     pub(crate) status: Option<i32>,
-    /// Standard output.
     pub(crate) out: String,
-    /// Standard error.
     pub(crate) err: String,
 }
 
@@ -107,7 +103,6 @@ impl Ran {
         self
     }
 
-    /// Printed these words.
     #[track_caller]
     pub(crate) fn says(self, words: &str) -> Ran {
         let all = self.all();
@@ -115,13 +110,11 @@ impl Ran {
         self
     }
 
-    /// Printed each of these words.
     #[track_caller]
     pub(crate) fn tells(self, words: &[&str]) -> Ran {
         words.iter().fold(self, |ran, words| ran.says(words))
     }
 
-    /// Did not print these words.
     #[track_caller]
     pub(crate) fn omits(self, words: &str) -> Ran {
         let all = self.all();
@@ -159,7 +152,6 @@ pub(crate) fn succeeds(command: &mut Command) -> bool {
 pub(crate) struct Visit(TempDir);
 
 impl Visit {
-    /// An empty folder.
     pub(crate) fn new() -> Visit {
         Visit(tempfile::tempdir().expect("a temporary folder can be made"))
     }
@@ -177,7 +169,6 @@ impl Visit {
         Visit::with(fixture(job), fixture(&format!("{folder}/errors.csv")))
     }
 
-    /// A job and its error table.
     pub(crate) fn with(job: impl AsRef<[u8]>, errors: impl AsRef<[u8]>) -> Visit {
         let visit = Visit::new();
         visit.put("job.toml", job).put("errors.csv", errors);
@@ -262,7 +253,6 @@ impl Visit {
         self.at(name).exists()
     }
 
-    /// The text of a file.
     #[track_caller]
     pub(crate) fn read(&self, name: &str) -> String {
         fs::read_to_string(self.at(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
@@ -284,7 +274,6 @@ impl Visit {
         names
     }
 
-    /// Everything that lies in the folder.
     pub(crate) fn files(&self) -> Tree {
         tree(self.folder())
     }
@@ -383,7 +372,6 @@ pub(crate) fn own_profile(base: &str, keys: &str) -> String {
     format!("schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"{base}\"\n{keys}")
 }
 
-/// A number of a document.
 #[track_caller]
 pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
@@ -392,7 +380,6 @@ pub(crate) fn number(value: &Value) -> f64 {
 /// The last digit that documents hold.
 pub(crate) const LAST_DIGIT: f64 = 1.001e-6;
 
-/// A text holds all these words.
 #[track_caller]
 pub(crate) fn holds(text: &str, words: &[&str]) {
     for words in words {
@@ -400,7 +387,6 @@ pub(crate) fn holds(text: &str, words: &[&str]) {
     }
 }
 
-/// A text holds none of these words.
 #[track_caller]
 pub(crate) fn lacks(text: &str, words: &[&str]) {
     let found = words.iter().find(|word| text.contains(**word));

@@ -38,7 +38,6 @@ struct OneWay<'a> {
     term: &'a Term,
     direction: Direction,
     output: &'a str,
-    /// The moving axis.
     axis: &'a MachineAxis,
     planned: &'a PlannedTable,
     placement: &'a Placement,

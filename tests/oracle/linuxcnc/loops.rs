@@ -23,7 +23,6 @@ const RAMP: usize = 100;
 pub(crate) struct Case {
     pub(crate) machine: Machine,
     pub(crate) controller: &'static str,
-    /// Points of the table of an axis.
     pub(crate) points: usize,
     /// Places of the first diagonal where the machine stands.
     pub(crate) stops: usize,
@@ -309,7 +308,6 @@ impl Joint {
         self.ramp_um() > 0.000_1
     }
 
-    /// What this ramp has not made yet, µm.
     fn ramp_um(self) -> f64 {
         (self.added - self.table).abs() * 1000.0
     }

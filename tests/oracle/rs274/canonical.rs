@@ -23,7 +23,6 @@ impl Walked {
 
 struct Canon {
     mm: f64,
-    /// Numbers of the first, the second and the third axis of the plane.
     plane: [usize; 3],
     /// G54 …, G92, tool, mm.
     zeros: [[f64; 3]; 3],
