@@ -1,10 +1,9 @@
 //! `verify --after`: the figures of the page and the verdict on what was measured.
 
-use crate::support::{Visit, error_rows, fixture, holds, lacks, number};
+use crate::support::{UNCORRECTED, Visit, error_rows, fixture, holds, lacks, number};
 use serde_json::Value;
 
 const ACCEPTANCE: &str = "[acceptance]\nmax_deviation_um = 1.0\n";
-const NONE_ACTIVE: &str = "active_while_measuring = \"none\"";
 const KIT_ACTIVE: &str = "active_while_measuring = \"kit\"";
 const LEFT: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,0.2,0.1\nx,100,0.3,0\n";
 /// What was found, where a test states its uncertainty.
@@ -167,7 +166,7 @@ fn tables_that_do_not_act_or_were_changed_fail() {
 fn a_job_with_readings_gives_what_its_separated_table_gives() {
     let visit = Visit::of("start/readings").with_any_kit();
     visit.yes("separate job.toml -o separated.csv");
-    visit.put("after.toml", visit.read("job.toml").replace(NONE_ACTIVE, KIT_ACTIVE));
+    visit.put("after.toml", visit.read("job.toml").replace(UNCORRECTED, KIT_ACTIVE));
     let [by_job, by_table] = ["after.toml", "separated.csv"].map(|after| again(&visit, after).page);
     for part in ["terms", "diagonals", "verdict", "diagnosis"] {
         assert_eq!(by_job[part], by_table[part]);
@@ -184,7 +183,7 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
 }
 
 fn after_job(active: &str, more: &str) -> String {
-    let job = job().replace("errors.csv", "after.csv").replace(NONE_ACTIVE, active);
+    let job = job().replace("errors.csv", "after.csv").replace(UNCORRECTED, active);
     job.replace("[compensation]", &format!("{more}[compensation]"))
 }
 

@@ -1,6 +1,6 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
-use crate::support::{LAST_DIGIT, Visit, holds, near, number};
+use crate::support::{LAST_DIGIT, Visit, cells, holds, near, number, term};
 use nonius::quantity::{ErrorTerm, PerAxis, PerTerm};
 use nonius::volume::definitions::ByComponent;
 use serde_json::Value;
@@ -57,12 +57,11 @@ fn machine_h_has_the_figures_of_its_authority() {
 }
 
 /// Columns of paper 000; D‹moving›‹direction›, so DYX is EXY: read otherwise its sums (DX max 0.03106) cannot be had.
-const COLUMNS: [&str; 9] = ["EXX", "EYX", "EZX", "EYY", "EXY", "EZY", "EZZ", "EXZ", "EYZ"];
-
 fn by_component(min: [f64; 9], max: [f64; 9]) -> ByComponent {
     let mut extremes = PerTerm::from_fn(|_: ErrorTerm| None);
-    for (index, name) in COLUMNS.iter().enumerate() {
-        extremes[ErrorTerm::from_name(name).unwrap()] = Some((min[index], max[index]));
+    let columns = ["EXX", "EYX", "EZX", "EYY", "EXY", "EZY", "EZZ", "EXZ", "EYZ"];
+    for (name, ends) in columns.into_iter().zip(min.into_iter().zip(max)) {
+        extremes[term(name)] = Some(ends);
     }
     ByComponent::of(&extremes)
 }
@@ -123,7 +122,7 @@ fn the_tables_take_off_what_they_hold() {
     visit.yes("generate job.toml -o kit");
     let left = va_um(&document(&visit, "assess job.toml --tables kit")["after"]);
     // The angles alone: deviations and squareness struck out of the same table.
-    let alone = |line: &str| match *line.split(',').collect::<Vec<_>>() {
+    let alone = |line: &str| match *cells(line) {
         [axis @ ("x" | "y" | "z"), at, _, _, _, a, b, c] => {
             format!("{axis},{at},0,0,0,{a},{b},{c}\n")
         }
@@ -146,10 +145,7 @@ fn angles_of_their_own_table_are_read_and_can_be_zeroed_where_the_squareness_was
     let table = visit.read("errors.csv");
     let columns = |keep: [usize; 5]| -> String {
         let rows = table.lines().filter(|line| !line.starts_with('#'));
-        let cut = |line: &str| {
-            let cells: Vec<&str> = line.split(',').collect();
-            keep.map(|k| cells[k]).join(",") + "\n"
-        };
+        let cut = |line: &str| keep.map(|k| cells(line)[k]).join(",") + "\n";
         rows.map(cut).collect()
     };
     let errors = "errors = \"errors.csv\"";

@@ -1,9 +1,7 @@
 //! What the figures of `nonius assess` hold for, what they rest on, what was not measured.
 
 use super::assess::document;
-use crate::support::{
-    DIAGONALS, Ran, Visit, labelled, number, page, replaced, short_or, with_cells,
-};
+use crate::support::*;
 use serde_json::{Value, json};
 
 #[track_caller]

@@ -156,9 +156,6 @@ fn chromium(visit: &Visit, page: &str, arguments: &[&str]) -> Output {
         .expect("the browser runs")
 }
 
-/// Measures pages in frames of three widths and writes down what is wrong.
-const MEASURE: &str = include_str!("browser.html");
-
 #[test]
 fn pages_are_whole_in_any_window_and_on_paper_and_their_html_is_valid() {
     let visit = Visit::new();
@@ -166,7 +163,9 @@ fn pages_are_whole_in_any_window_and_on_paper_and_their_html_is_valid() {
     let again = run(&visit, "assess fixtures/start/errors/job.toml --plot OUT/0.svg");
     again.ends(2).says("is not overwritten");
     if is_installed("chromium") {
-        visit.put("measure.html", MEASURE.replace("PAGES", &reports.join(" ")));
+        // Measures pages in frames of three widths and writes down what is wrong.
+        let measure = include_str!("browser.html").replace("PAGES", &reports.join(" "));
+        visit.put("measure.html", measure);
         let options = ["--virtual-time-budget=5000", "--dump-dom"];
         let output = chromium(&visit, "measure.html", &options);
         let dom = String::from_utf8_lossy(&output.stdout);

@@ -1,5 +1,5 @@
 //! What `verify --after` says of single faults, and what is refused; how often they are named: tests/studies/causes.rs.
-use crate::support::{Random, Visit, error_rows, holds, number};
+use crate::support::{Random, Visit, error_rows, holds, job_measured, number};
 use serde_json::Value;
 
 const NOISE_UM: f64 = 0.2;
@@ -83,13 +83,11 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
 fn job(machine: &Machine, errors: &str, active: &str) -> String {
     let Machine { controller, policy, spacing_mm, .. } = machine;
     let unit = if controller.starts_with("fanuc") { "detection_unit_um = 0.5" } else { "" };
-    let axes = HIGH_MM.map(|(axis, high)| {
-        format!("[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n[compensation.axes.{axis}]\nspacing_mm = {spacing_mm:?}\n{unit}\n")
-    });
-    format!(
-        "schema = 1\n[machine]\nname = \"mill\"\n[measurement]\nerrors = \"{errors}\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{controller}\"\n{policy}\n{}[acceptance]\nmax_deviation_um = 10.0\n",
-        axes.concat()
-    )
+    let keys = format!("spacing_mm = {spacing_mm:?}\n{unit}");
+    let axes = HIGH_MM.map(|(axis, high)| (axis, [0.0, high], 0.0, keys.clone()));
+    let measured = format!("errors = \"{errors}\"\nactive_while_measuring = \"{active}\"");
+    let control = format!("controller = \"{controller}\"\n{policy}");
+    job_measured(&measured, &control, axes) + "[acceptance]\nmax_deviation_um = 10.0\n"
 }
 
 fn visit(machine: &Machine) -> Visit {

@@ -1,10 +1,6 @@
 //! What the readings say against a result reaches every output: `separate`, its table, the kits made of both.
-use crate::support::diagonals::{
-    Machine, box_30, campaign, measurement, naive, normal, runs, seeded, solved, volume, with_noise,
-};
-use crate::support::{
-    Ran, Visit, fixture, golden_case, holds, number, replaced, with_cells, without, words,
-};
+use crate::support::diagonals::*;
+use crate::support::*;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::readings::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::separate;
@@ -14,11 +10,9 @@ use nonius::quantity::{
 use nonius::text::Finding;
 use serde_json::Value;
 
-const SIGMA_UM: f64 = 0.3;
-
 fn repeated(seed: u64, count: u32) -> Vec<Run> {
     let mut random = seeded(seed);
-    let readings = Machine::random(&box_30(), &mut random).readings(None);
+    let readings = Machine::random(&box_of(30), &mut random).readings(None);
     let mut noisy = || with_noise(&readings, SIGMA_UM, &mut random);
     (1..=count).flat_map(|run| runs(run, Pass::Forward, &noisy())).collect()
 }
@@ -40,7 +34,7 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
         for seed in 0..20 {
             let mut runs = repeated(seed, 3);
             disturb(&mut runs, Diagonal::Pnp, 2, 40, um);
-            let found = naive(&box_30(), &runs);
+            let found = naive(&box_of(30), &runs);
             let first = found.closure.outliers.first();
             let is_it = |o: &&Outlier| o.readings == [place(Diagonal::Pnp, 2, 40)];
             if let Some(outlier) = first.filter(is_it) {
@@ -82,12 +76,12 @@ fn readings_under_each_others_name_are_told() {
                 let walked = Diagonal::ALL.iter().position(|walked| *walked == run.diagonal);
                 run.diagonal = names[walked.unwrap()];
             }
-            let doubts = words(&naive(&box_30(), &runs).doubts);
+            let doubts = words(&naive(&box_of(30), &runs).doubts);
             assert!(doubts[0].starts_with(&format!("as if the {said}")), "{said}: {doubts:?}");
         }
     }
     for seed in 0..20 {
-        assert_eq!(beginning(&naive(&box_30(), &repeated(seed, 1)).doubts, "as if"), None);
+        assert_eq!(beginning(&naive(&box_of(30), &repeated(seed, 1)).doubts, "as if"), None);
     }
 }
 
@@ -98,10 +92,10 @@ fn steps_in_another_order_are_told() {
     for recorded in [[x, y, z], [z, x, y]] {
         for order in Axis::ORDERS {
             let mut random = seeded(5);
-            let mut machine = Machine::random(&box_30(), &mut random);
+            let mut machine = Machine::random(&box_of(30), &mut random);
             machine.volume.order = order;
             let readings = with_noise(&machine.readings(None), 0.1, &mut random);
-            let box_ = Volume { order: recorded, ..box_30() };
+            let box_ = Volume { order: recorded, ..box_of(30) };
             let found = naive(&box_, &runs(1, Pass::Forward, &readings));
             let [a, b, c] = order;
             let said = format!("or the steps went {a}, {b}, {c}: ");
@@ -114,19 +108,19 @@ fn steps_in_another_order_are_told() {
 #[test]
 fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     let mut random = seeded(1);
-    let mut smooth = Machine::perfect(&box_30());
+    let mut smooth = Machine::perfect(&box_of(30));
     for term in ErrorTerm::ALL {
         smooth.set(term, |t| 9.0 * t + 200.0 * t * (1.0 - t));
     }
     let readings = with_noise(&smooth.readings(None), SIGMA_UM, &mut random);
-    let found = naive(&box_30(), &runs(1, Pass::Forward, &readings));
+    let found = naive(&box_of(30), &runs(1, Pass::Forward, &readings));
     let hardly = |labels: &[Finding]| beginning(labels, "these readings cannot detect");
     let said = hardly(&found.labels).unwrap();
     let pairs = ["NPP and PNP", "NPP and PPN", "PNP and PPN"];
     holds(&said, &[&pairs[..], &["or whether the steps went X, Z, Y or"]].concat());
     assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
-    let rough = |seed| naive(&box_30(), &repeated(seed, 3));
+    let rough = |seed| naive(&box_of(30), &repeated(seed, 3));
     assert!((1..10).any(|seed| hardly(&rough(seed).labels).is_none()));
 }
 
@@ -161,7 +155,7 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
 fn with_two_runs_either_may_be_the_disturbed_one() {
     let mut runs = repeated(3, 2);
     disturb(&mut runs, Diagonal::Ppn, 1, 17, -9.0);
-    let found = naive(&box_30(), &runs);
+    let found = naive(&box_of(30), &runs);
     let [outlier] = &found.closure.outliers[..] else { panic!("the closure names it once more") };
     let mut places = outlier.readings.clone();
     places.sort();
@@ -190,7 +184,7 @@ fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
 
 #[test]
 fn roll_makes_ramps_and_accuses_no_reading() {
-    let volume = box_30();
+    let volume = box_of(30);
     let mut random = seeded(11);
     for (sigma, urad) in [(0.0, 20.0), (0.1, 60.0)] {
         let readings = with_noise(&rolling(&volume, urad), sigma, &mut random);
@@ -213,7 +207,7 @@ fn roll_makes_ramps_and_accuses_no_reading() {
 fn a_stated_noise_that_the_scatter_contradicts_is_told_and_does_not_count() {
     let readings = repeated(1, 1);
     for (noise_um, contradicted) in [(SIGMA_UM, false), (0.15, true), (0.6, true)] {
-        let measurement = measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
+        let measurement = measurement(&box_of(30), SetUp::AssumePerfect, Frame::AsMeasured);
         let mut campaign = campaign(&measurement, Vec::new());
         campaign.stated.noise_um = Some(noise_um);
         let found = separate(&campaign, &readings);
@@ -226,9 +220,9 @@ fn a_stated_noise_that_the_scatter_contradicts_is_told_and_does_not_count() {
 /// Without overrun the first and last interval of each axis, in both groups of readings, hold its reversal.
 #[test]
 fn without_overrun_the_closure_leaves_the_turns_out() {
-    let machine = Machine::perfect(&box_30());
+    let machine = Machine::perfect(&box_of(30));
     let freedom = |overrun: bool| {
-        let mut measurement = measurement(&box_30(), SetUp::Solve, Frame::XPrimary);
+        let mut measurement = measurement(&box_of(30), SetUp::Solve, Frame::XPrimary);
         measurement.overrun = Some(overrun);
         let forward = runs(1, Pass::Forward, &machine.readings(None));
         let back = runs(1, Pass::Reverse, &machine.readings(Some(overrun)));
@@ -240,12 +234,12 @@ fn without_overrun_the_closure_leaves_the_turns_out() {
 
 #[test]
 fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
-    let mut machine = Machine::perfect(&box_30());
+    let mut machine = Machine::perfect(&box_of(30));
     machine.lean[Diagonal::Npp] = PerAxis { x: 0.0, y: 50e-6, z: -50e-6 };
     let runs = runs(1, Pass::Forward, &machine.readings(None));
-    let doubts = words(&naive(&box_30(), &runs).doubts);
+    let doubts = words(&naive(&box_of(30), &runs).doubts);
     assert!(doubts[0].contains("set-up is assumed perfect"), "{doubts:?}");
-    let solved = solved(&box_30(), machine.lines(&Axis::ALL, Some(0.5)), &runs);
+    let solved = solved(&box_of(30), machine.lines(&Axis::ALL, Some(0.5)), &runs);
     assert!(solved.stands(), "{:?}", solved.doubts);
 }
 

@@ -6,10 +6,7 @@
 //! takes all. They need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
 use super::lost::PROGRAM;
-use crate::support::{
-    DIAGONALS, Entry, G54, Ran, Tree, Visit, below, copies, difference, in_parallel, is_whole, lay,
-    nonius, skipped, succeeds, told, tree,
-};
+use crate::support::*;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -1,9 +1,6 @@
 //! The field kit: sign proofs, a rollback to what was read out, what the checklist says, what is refused.
 use crate::support::machine::machine;
-use crate::support::{
-    self, checklist, files_of, five_points, fixture, holds, in_parallel, number, replaced,
-    short_or, shown, text_of, um_at,
-};
+use crate::support::{self, *};
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::inputs::job::ActiveTables;

@@ -12,9 +12,7 @@ use std::process::{Command, ExitCode, Output, Stdio, exit};
 use std::time::{Duration, Instant};
 use tempfile::NamedTempFile;
 
-/// Hundred times what any of these runs takes; a square of the input, or waiting for nothing, would take hours.
-const PATIENCE: Duration = Duration::from_secs(120);
-
+/// For hundred times what any of these runs takes; a square of the input, or waiting for nothing, would take hours.
 pub(super) fn patiently(visit: &Visit, command: &str, stdin: Stdio) -> Ran {
     let files = [(); 2].map(|()| NamedTempFile::new().unwrap());
     let [out, err] = files.each_ref().map(|file| file.reopen().unwrap());
@@ -24,7 +22,7 @@ pub(super) fn patiently(visit: &Visit, command: &str, stdin: Stdio) -> Ran {
     let status = loop {
         match child.try_wait().unwrap() {
             Some(status) => break status,
-            None if begun.elapsed() > PATIENCE => child.kill().unwrap(),
+            None if begun.elapsed() > Duration::from_secs(120) => child.kill().unwrap(),
             None => std::thread::sleep(Duration::from_millis(2)),
         }
     };

@@ -8,10 +8,6 @@ use std::mem::discriminant;
 const AXES: [&str; 3] = ["x", "y", "z"];
 const TRAVEL: [[f64; 2]; 3] = [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]];
 
-/// Keys that nobody knows before the measurement.
-const MEASURED: [&str; 5] =
-    ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m", "u_um_per_m"];
-
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
     let page = at.read(job);
@@ -198,7 +194,9 @@ fn walk(id: &str, more: &str, until: Until) {
 
 /// What comes before the readings asks for nothing that is known only after them.
 fn before(at: &Visit, id: &str) {
-    fill_in(at, "visit/job.toml", SLOPES, &MEASURED);
+    let later =
+        ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m", "u_um_per_m"];
+    fill_in(at, "visit/job.toml", SLOPES, &later);
     at.run("plan visit/job.toml").answers();
     if builtin::profile(id).unwrap().program.is_some() {
         let ran = at.run("program visit/job.toml -o visit/programs").ends(0);

@@ -1,8 +1,6 @@
 //! Where a run writes: killed, twenty at once, standard output closed, places that are read-only, links, or inputs.
 
-use crate::support::{
-    Ran, Visit, below, copies, difference, is_installed, is_of_windows, program, skipped, succeeds,
-};
+use crate::support::*;
 use std::ffi::OsStr;
 use std::fs;
 use std::process::{Child, Command, Stdio};

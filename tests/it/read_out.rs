@@ -6,9 +6,7 @@ use crate::support::{Ran, UNCORRECTED, Visit, cec, replaced};
 use crate::update::{FANUC_AXES, SIEMENS_AXES, small};
 use std::fs;
 
-/// Lost motion of X, µm: what `"curve-and-parameter"` asks of the backlash parameter.
-const LOST_UM: f64 = 4.0;
-/// Rows of X: between its directions lies the lost motion.
+/// Rows of X: between its directions lies the lost motion, 4 µm, which `"curve-and-parameter"` asks of the parameter.
 const ERRORS: &str = "axis,direction,position_mm,ex_um,ey_um\nx,+,0,0,0\nx,+,50,6,3\nx,+,100,16,-4\nx,-,0,4,0\nx,-,50,10,3\nx,-,100,20,-4\n";
 const AGREE: &str = "job and tables agree";
 
@@ -102,7 +100,7 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
     let of_siemens: fn(f64) -> String =
         |um| format!("N32450 $MA_BACKLASH[0,AX1]={:.4}", um / 1000.0);
     let of_fanuc = |um: f64| format!("N01851Q1A1P{um:.0}A2P0\nN01852Q1A1P{um:.0}A2P0");
-    for (policy, asked) in [("curve-and-parameter", LOST_UM), ("two-tables", 0.0)] {
+    for (policy, asked) in [("curve-and-parameter", 4.0), ("two-tables", 0.0)] {
         for (cnc, held, name) in [
             (siemens(policy), of_siemens, "MD32450) of axis AX1"),
             (fanuc(policy), of_fanuc, "1851) of axis 1"),

@@ -1,8 +1,5 @@
 //! The README shows what the program prints, and its table of evidence is that of the profiles.
-use crate::support::{
-    Visit, block_behind, evidence, fixture, fixtures, holds, in_repository, is_shown, needs_unit,
-    page, replaced,
-};
+use crate::support::*;
 use nonius::control::controller::builtin;
 
 #[test]

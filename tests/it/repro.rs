@@ -74,24 +74,18 @@ fn each_case_gives_what_is_expected() {
     assert!(same, "their constant has no effect");
 }
 
-/// A case, a key of its job otherwise, beginnings of what `plan` says.
-const PLANS: [(&str, &str, &[&str]); 2] = [
-    (
-        "plan_gives_up",
-        "laser_ppm = 0.1",
-        &[
-            "the quickest that reaches the acceptance by its forecast: h (4 runs)",
-            "the quickest that also passes its second measurement with 80 % or more: i (9 steps, 5 runs)",
-            "h 4 runs ",
-            "j 9 steps, 4 runs ",
-        ],
-    ),
-    ("plan_no_budget", "", &["what decides: slope of linear "]),
-];
-
 #[test]
 fn a_plan_names_the_visit_that_will_do_and_what_decides() {
-    for (case, stated, lines) in PLANS {
+    let gives_up = [
+        "the quickest that reaches the acceptance by its forecast: h (4 runs)",
+        "the quickest that also passes its second measurement with 80 % or more: i (9 steps, 5 runs)",
+        "h 4 runs ",
+        "j 9 steps, 4 runs ",
+    ];
+    for (case, stated, lines) in [
+        ("plan_gives_up", "laser_ppm = 0.1", &gives_up[..]),
+        ("plan_no_budget", "", &["what decides: slope of linear "]),
+    ] {
         let stated = format!("angle_urad = 0\nsetup_ppm = 0\n{stated}");
         let Some(visit) = visit_of(case, &stated) else { return };
         let ran = visit.run("plan job.toml").answers();
@@ -180,17 +174,15 @@ fn what_the_next_measurement_repeats_hangs_on_what_is_stated() {
     visit.run("separate job.toml").ends(2).says("the angles of X are to be zero at -1 mm");
 }
 
-const ONCE_SILENT: [(&str, &str, &str); 5] = [
-    ("forecast_u", "generate job.toml -o kit", "verdict: undecided"),
-    ("student", "generate job.toml -o kit", "verdict: undecided"),
-    ("range3pct", "generate job.toml -o kit", "verdict: undecided"),
-    ("names_worst", "separate job.toml", "as if the readings of NPP and PNP were exchanged"),
-    ("readme_50um", "separate job.toml", "above the 1 µm that are assumed"),
-];
-
 #[test]
 fn cases_that_once_passed_in_silence_are_findings() {
-    for (case, command, words) in ONCE_SILENT {
+    for (case, command, words) in [
+        ("forecast_u", "generate job.toml -o kit", "verdict: undecided"),
+        ("student", "generate job.toml -o kit", "verdict: undecided"),
+        ("range3pct", "generate job.toml -o kit", "verdict: undecided"),
+        ("names_worst", "separate job.toml", "as if the readings of NPP and PNP were exchanged"),
+        ("readme_50um", "separate job.toml", "above the 1 µm that are assumed"),
+    ] {
         let Some(visit) = copy_of(case) else { return };
         visit.run(command).ends(1).says(words);
     }

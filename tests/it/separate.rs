@@ -1,7 +1,5 @@
 //! `nonius separate` and `generate` from readings: the golden cases, the words with a result, what is refused.
-use crate::support::{
-    DIAGONALS, Visit, fixture, golden_case, labelled, lacks, number, with_cells, without,
-};
+use crate::support::*;
 use nonius::inputs::error_table::{Cause, Remarks};
 use serde_json::{Value, json};
 

@@ -19,20 +19,17 @@ fn half_a_digit(text: &str) -> f64 {
 }
 
 fn by_name(axis: &AxisFigures, name: &str) -> Option<f64> {
-    match name {
-        "E_up" => axis.e.up_um,
-        "E_dn" => axis.e.down_um,
-        "E" => axis.e.both_um,
-        "R_up" => axis.r.up_um,
-        "R_dn" => axis.r.down_um,
-        "R" => axis.r.both_um,
-        "A_up" => axis.a.up_um,
-        "A_dn" => axis.a.down_um,
-        "A" => axis.a.both_um,
-        "M" => axis.m_um,
-        "B" => axis.b_um,
-        "B_mean" => axis.b_mean_um,
-        _ => panic!("`{name}` is no figure"),
+    let of = match name.split_at(1) {
+        ("E", way) => (axis.e, way),
+        ("R", way) => (axis.r, way),
+        ("A", way) => (axis.a, way),
+        ("M", _) => return axis.m_um,
+        _ => return if name == "B" { axis.b_um } else { axis.b_mean_um },
+    };
+    match of.1 {
+        "_up" => of.0.up_um,
+        "_dn" => of.0.down_um,
+        _ => of.0.both_um,
     }
 }
 

@@ -1,5 +1,5 @@
 //! Tables that a person types in: sheet, list, what was read from the screen (refused: cases/refuses/typed.txt).
-use crate::support::{Ran, Visit, own_profile, replaced};
+use crate::support::{Ran, Visit, cells, own_profile, replaced};
 
 /// Five points an axis with 1 µm as the smallest step, typed as `value` in `unit`, with the kit.
 fn typed(value: &str, unit: &str, spacing: &str) -> Visit {
@@ -18,10 +18,6 @@ fn typed(value: &str, unit: &str, spacing: &str) -> Visit {
 
 fn list(visit: &Visit) -> String {
     visit.read("kit/typed.csv")
-}
-
-fn cells(row: &str) -> Vec<&str> {
-    row.split(',').collect()
 }
 
 fn judged(visit: &Visit, list: &str) -> Ran {

@@ -9,10 +9,7 @@ mod old_plus_residual;
 mod read_outs;
 mod siemens_control;
 
-use crate::support::{
-    self, Random, UNCORRECTED, cec, checklist, control, error_rows, files_of, generate, holds,
-    in_parallel, inputs, response, shown, term, um_at, words,
-};
+use crate::support::{self, *};
 use nonius::control::control_state::ControlState;
 use nonius::control::controller::{Profile, Role, builtin};
 use nonius::control::table::Tables;

@@ -1,13 +1,8 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
-use crate::support::{
-    DIAGONALS, Visit, evidence, fixture, generate, has_cross_terms, near, needs_unit, number,
-    positioning_ids, stands_between,
-};
+use crate::support::*;
 use nonius::control::controller::builtin;
 use nonius::quantity::Axis;
 use serde_json::Value;
-
-const BEGIN: &str = "<!-- tests/oracle/every_control.rs writes the table: NONIUS_UPDATE=1 -->\n";
 
 /// The golden machine of 900 mm with another control, a detection unit of 1 µm where one is asked
 /// for; and its kit, which has to be read back as what the job asks for.
@@ -62,7 +57,8 @@ fn the_table_of_one_machine_is_what_every_control_gives_and_checklists_begin_wit
         table += &row(id, &kit);
         checklist_begins_with_the_work(id, &visit);
     }
-    stands_between("docs/controllers.md", BEGIN, "<!-- end -->", &table);
+    let begin = "<!-- tests/oracle/every_control.rs writes the table: NONIUS_UPDATE=1 -->\n";
+    stands_between("docs/controllers.md", begin, "<!-- end -->", &table);
 }
 
 /// Few words stand above it, and what only has to be compared in the annex, with blanks in a size to write on; what is

@@ -1,6 +1,6 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
-use crate::support::diagonals::{Machine, box_30, measurement, mm, seeded, volume};
+use crate::support::diagonals::{Machine, box_of, measurement, mm, seeded, volume};
 use crate::support::{self, error_table, shown};
 use nonius::inputs::error_table::{self as table, Kind};
 use nonius::inputs::findings::Remark;
@@ -112,7 +112,7 @@ proptest! {
 }
 
 fn one_machine() -> Machine {
-    Machine::random(&box_30(), &mut seeded(7))
+    Machine::random(&box_of(30), &mut seeded(7))
 }
 
 fn plain_inputs() -> Inputs {
@@ -165,7 +165,7 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
     let rehearsal = Rehearsal::of(&inputs, wishes).unwrap();
     let found = simulate(&inputs, None, wishes);
     let text = write(&found, &rehearsal, &[format!("note: {SIMULATED}: a test")]);
-    let given = measurement(&box_30(), SetUp::Solve, Frame::XPrimary);
+    let given = measurement(&box_of(30), SetUp::Solve, Frame::XPrimary);
     let read = support::readings(&text, &given).unwrap_or_else(|said| panic!("{said}"));
     let mut runs = found.runs;
     runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));

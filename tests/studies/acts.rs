@@ -4,10 +4,7 @@
 use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
 use crate::support::diagonals::{box_of, largest, own};
-use crate::support::{
-    DIAGONALS, Random, Visit, in_parallel, is_whole, markdown, may_be, number, published_if_whole,
-    share, short_or,
-};
+use crate::support::*;
 use nonius::quantity::{Axis, Diagonal, PathKind};
 use serde_json::Value;
 use std::iter::once;

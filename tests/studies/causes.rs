@@ -3,10 +3,7 @@
 //! second measurement. Asked is that the true cause is in the named set, that sets are small where the data allow it, and that
 //! a second measurement without fault names none. Plain `cargo test` injects a sixth of the faults into each machine.
 use crate::support::diagonals::{Machine, mm, volume};
-use crate::support::{
-    Random, UNCORRECTED, Visit, generate, in_parallel, job_measured, loaded, published, response,
-    short_or, term,
-};
+use crate::support::*;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, Volume};
 use nonius::read::emulate::Emulator;
@@ -14,8 +11,6 @@ use nonius::write::plan::axis_pairs;
 use std::fmt::Write;
 
 const NOISE_UM: f64 = 0.15;
-/// Expansion that the program takes where no job states one, 1/K.
-const STEEL_PER_K: f64 = 11.5e-6;
 
 #[derive(Clone, Copy, Debug)]
 struct Fault {
@@ -197,7 +192,8 @@ fn acts(
     let way = (fault.way_of)(term, way);
     let (tables, _) = parts(rig, control, table_of, way, x - fault.shifted_mm[along]);
     let um = if (fault.on)(term) { fault.times * tables } else { tables } + constant;
-    let heat = 1e3 * STEEL_PER_K * fault.warmer_k[along] * x;
+    // The expansion that the program takes where no job states one, per K.
+    let heat = 1e3 * 11.5e-6 * fault.warmer_k[along] * x;
     match term.is_positioning() {
         true if term.of == Axis::X => um + heat + fault.foreign_um * (x / 130.0).sin(),
         true => um + heat,
@@ -351,11 +347,10 @@ fn outcome(rig: &Rig, fault: Fault, file: &str) -> Outcome {
     Outcome { plan: rig.plan, fault, named, words, verdict, decides }
 }
 
-const KINDS: &str = "no fault | sign turned | not active | applied twice | wrong unit | other factor | shifted | wrong axis | directions exchanged | backlash twice | backlash not | temperature | measurement turned | unknown";
-
 /// Of each injected kind, in how many runs it was named, and what was named as well.
 fn confusion(outcomes: &[Outcome]) -> String {
-    let kinds: Vec<&str> = KINDS.split(" | ").collect();
+    let kinds = "no fault | sign turned | not active | applied twice | wrong unit | other factor | shifted | wrong axis | directions exchanged | backlash twice | backlash not | temperature | measurement turned | unknown";
+    let kinds: Vec<&str> = kinds.split(" | ").collect();
     let mut named = outcomes.iter().flat_map(|o| &o.named);
     let other = named.find(|named| !kinds.contains(&named.as_str()));
     assert_eq!(other, None, "a kind that the page does not know");

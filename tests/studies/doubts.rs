@@ -1,9 +1,7 @@
 //! How often sound readings are doubted, and that what the closure sums up scatters as it says.
-use crate::support::diagonals::{Machine, box_30, naive, runs, seeded, with_noise};
+use crate::support::diagonals::*;
 use crate::support::share;
 use nonius::quantity::{Axis, Pass};
-
-const SIGMA_UM: f64 = 0.3;
 
 #[test]
 fn sound_readings_are_rarely_doubted() {
@@ -11,12 +9,12 @@ fn sound_readings_are_rarely_doubted() {
     for count in [1, 3] {
         let is_doubted = |seed: &u64| {
             let mut random = seeded(5000 + seed);
-            let readings = Machine::random(&box_30(), &mut random).readings(None);
+            let readings = Machine::random(&box_of(30), &mut random).readings(None);
             let mut noisy =
                 |run| runs(run, Pass::Forward, &with_noise(&readings, SIGMA_UM, &mut random));
             let all: Vec<_> = (1..=count).flat_map(&mut noisy).collect();
             // Frame and set-up are right, so only the tests of noise can speak.
-            !naive(&box_30(), &all).doubts.is_empty()
+            !naive(&box_of(30), &all).doubts.is_empty()
         };
         let doubted = (0..trials).filter(is_doubted).count() as u64;
         assert!(doubted <= trials / 20, "{doubted} of {trials} with {count} run(s)");
@@ -25,7 +23,7 @@ fn sound_readings_are_rarely_doubted() {
 
 #[test]
 fn means_and_single_w_scatter_as_expected() {
-    let volume = box_30();
+    let volume = box_of(30);
     let perfect = Machine::perfect(&volume).readings(None);
     let mut random = seeded(12);
     let (mut single, mut mean, mut ramp, mut count) = (0.0, 0.0, 0.0, 0.0);

@@ -2,10 +2,7 @@
 //! the U of the readings; what its page says.
 use crate::support::diagonals::*;
 use crate::support::visit::{self};
-use crate::support::{
-    fixture, is_held, is_whole, markdown, published_if_whole, scatter, share, short_or, shown,
-    source,
-};
+use crate::support::*;
 use chacha20::ChaCha8Rng;
 use nonius::inputs::error_table::{ErrorTable, write};
 use nonius::inputs::job::{Frame, Job, SetUp, StatedUncertainty, UseOf};
@@ -172,14 +169,13 @@ fn second_passes(row: &Row, planned: &Visit, job: &Job, seed: u64) -> bool {
 #[test]
 fn as_many_second_measurements_pass_as_a_plan_promises() {
     let many = share(400, 10);
-    const NONE: &str = "[measurement.uncertainty]\nangle_urad = 0\n";
     let [first, linear, three, turn, set_ups] = [0, 2, 4, 5, 7].map(|row| &ROWS[row]);
     let high =
         &Row { name: "linear X, Y and Z, reference at the high end", reference: 1.0, ..*linear };
     let middle = &Row { name: "three runs, reference in the middle", reference: 0.5, ..*three };
     let rows = [first, linear, three, set_ups, turn, high, middle];
     for ((index, row), factor) in (0..).zip(rows).zip([1.6, 1.7, 1.7, 1.5, 1.6, 1.7, 1.7]) {
-        let text = row.text().replace("[measurement.uncertainty]\n", NONE);
+        let text = row.text().replace("uncertainty]\n", "uncertainty]\nangle_urad = 0\n");
         let limit_um = factor * row.visit(&read(&text)).at_most_um().unwrap();
         let job = read(&format!("{text}[acceptance]\nmax_deviation_um = {limit_um}\n"));
         let planned = row.visit(&job);

@@ -2,10 +2,7 @@
 //! forecast holds, which verdicts they get, and how often something is said against them that is not so.
 use super::causes::{Travels, gauss, job_text};
 use crate::support::diagonals::{Machine, box_of, largest, mm, own};
-use crate::support::{
-    Random, Visit, in_parallel, is_held, is_whole, markdown, may_be, number, published_if_whole,
-    share,
-};
+use crate::support::*;
 use nonius::quantity::{Axis, ErrorTerm, Volume};
 use serde_json::Value;
 

@@ -44,10 +44,6 @@ pub(crate) fn box_of(steps: usize) -> Volume {
     volume([900.0, 720.0, 720.0], steps)
 }
 
-pub(crate) fn box_30() -> Volume {
-    box_of(30)
-}
-
 /// The positioning error of an axis.
 pub(crate) fn own(axis: Axis) -> ErrorTerm {
     ErrorTerm { of: axis, along: axis }
@@ -101,12 +97,6 @@ impl Machine {
     pub(crate) fn set(&mut self, term: ErrorTerm, at: impl Fn(f64) -> f64) {
         let n = self.volume.steps;
         self.curves[term] = (0..=n).map(|i| at(float(i) / float(n)) - at(0.0)).collect();
-    }
-
-    pub(crate) fn set_slope(&mut self, term: &str, um_per_m: f64) {
-        let term = ErrorTerm::from_name(term).unwrap();
-        let metres = self.volume.size[term.along].mm() / 1000.0;
-        self.set(term, |t| um_per_m * metres * t);
     }
 
     /// Slope of the line through the ends, µm/m.
@@ -186,8 +176,7 @@ impl Machine {
         for d in Diagonal::ALL {
             let u = self.laser(d);
             let any = PerAxis::from_fn(|_| normal(random));
-            let along = dot(&any, &u);
-            let beside = PerAxis::from_fn(|axis| any[axis] - along * u[axis]);
+            let beside = any.minus(u.times(dot(&any, &u)));
             let length = dot(&beside, &beside).sqrt();
             self.lean[d] = PerAxis::from_fn(|axis| size * beside[axis] / length);
         }
@@ -234,18 +223,15 @@ impl Machine {
     pub(crate) fn readings(&self, back: Option<bool>) -> Readings {
         PerDiagonal::from_fn(|d| {
             let u = self.laser(d);
-            let leant = PerAxis::from_fn(|axis| u[axis] + self.lean[d][axis]);
+            let leant = u.plus(self.lean[d]);
             let length = dot(&leant, &leant).sqrt();
             let g = PerAxis::from_fn(|axis| leant[axis] / length);
-            let beside = PerAxis::from_fn(|axis| g[axis] - u[axis]);
-            let (_, first) = self.state(d, 0, None);
-            (0..=3 * self.volume.steps)
-                .map(|node| {
-                    let (travel, error) = self.state(d, node, back);
-                    let moved = PerAxis::from_fn(|axis| error[axis] - first[axis]);
-                    1000.0 * dot(&beside, &travel) + dot(&g, &moved)
-                })
-                .collect()
+            let (beside, (_, first)) = (g.minus(u), self.state(d, 0, None));
+            let um = |node| {
+                let (travel, error) = self.state(d, node, back);
+                1000.0 * dot(&beside, &travel) + dot(&g, &error.minus(first))
+            };
+            (0..=3 * self.volume.steps).map(um).collect()
         })
     }
 
@@ -274,41 +260,16 @@ pub(crate) fn dot(a: &PerAxis<f64>, b: &PerAxis<f64>) -> f64 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-pub(crate) fn run(diagonal: Diagonal, number: u32, pass: Pass, readings: &[f64]) -> Run {
-    Run {
-        diagonal,
-        number,
-        pass,
-        deviations: readings.iter().map(|um| Deviation::from_um(*um)).collect(),
-        temperatures_c: PerAxis::default(),
-    }
-}
-
 pub(crate) fn runs(number: u32, pass: Pass, readings: &Readings) -> Vec<Run> {
-    let one = |d: Diagonal| run(d, number, pass, &readings[d]);
+    let one = |diagonal: Diagonal| {
+        let deviations = readings[diagonal].iter().map(|um| Deviation::from_um(*um)).collect();
+        Run { diagonal, number, pass, deviations, temperatures_c: PerAxis::default() }
+    };
     Diagonal::ALL.map(one).into()
 }
 
 pub(crate) fn with_noise(readings: &Readings, sigma: f64, random: &mut ChaCha8Rng) -> Readings {
-    PerDiagonal::from_fn(|d| {
-        let noisy = |um: &f64| um + sigma * normal(random);
-        readings[d].iter().map(noisy).collect()
-    })
-}
-
-pub(crate) fn noisy_runs(
-    passes: &[(Pass, Readings)],
-    repeats: u32,
-    sigma: f64,
-    random: &mut ChaCha8Rng,
-) -> Vec<Run> {
-    let mut all = Vec::new();
-    for number in 1..=repeats {
-        for (pass, readings) in passes {
-            all.extend(runs(number, *pass, &with_noise(readings, sigma, random)));
-        }
-    }
-    all
+    PerDiagonal::from_fn(|d| readings[d].iter().map(|um| um + sigma * normal(random)).collect())
 }
 
 /// Runs of a visit with noise; `back`: reverse passes, too, and whether after an overrun.
@@ -321,7 +282,13 @@ pub(crate) fn visit_runs(
 ) -> Vec<Run> {
     let mut passes = vec![(Pass::Forward, readings(None))];
     passes.extend(back.map(|_| (Pass::Reverse, readings(back))));
-    noisy_runs(&passes, repeats, sigma, random)
+    let mut all = Vec::new();
+    for number in 1..=repeats {
+        for (pass, readings) in &passes {
+            all.extend(runs(number, *pass, &with_noise(readings, sigma, random)));
+        }
+    }
+    all
 }
 
 /// Readings of lasers whose scale is off by so much in each set-up, 10⁻⁶.

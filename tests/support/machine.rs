@@ -231,9 +231,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     features.push(if nine { "nine terms" } else { "fewer terms" });
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
-    let is_plain = !siemens && !linuxcnc && !isg && !declared;
-    let stated_unit = (profile.detection_unit_required.value || (is_plain && random.one_in(3)))
-        .then_some(unit_um);
+    let stated_unit =
+        (profile.detection_unit_required.value || (fanuc && random.one_in(3))).then_some(unit_um);
     // A file that takes X, Y and Z alone has no name for the second axis.
     let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
     let gantry = random.one_in(4) && !isg && (!declared || numbered);
@@ -283,10 +282,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         machine_text += &format!(
             "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {reference:?}\n"
         );
-        if homing_stated {
-            machine_text += &format!("reference_direction = \"{homing}\"\n");
-        }
-
+        let stated = homing_stated.then(|| format!("reference_direction = \"{homing}\"\n"));
+        machine_text.extend(stated);
         let mut names = vec![profile.axis_names.value[index].clone()];
         if gantry && index == 0 {
             let other = if siemens { "AX4" } else { "x2" };
@@ -306,15 +303,9 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         let (feature, grid) = grid_text(&mut random, length, ends_on_grid, step_limit, fit);
         features.extend(feature);
         axes_text += &format!("[compensation.axes.{key}]\n{grid}\n");
-        if let Some(unit) = stated_unit {
-            axes_text += &format!("detection_unit_um = {unit:?}\n");
-        }
-        if names.len() > 1 {
-            axes_text += &format!("ids = {names:?}\n");
-        }
-        if interpolated {
-            axes_text += "interpolated = true\n";
-        }
+        axes_text.extend(stated_unit.map(|unit| format!("detection_unit_um = {unit:?}\n")));
+        axes_text.extend((names.len() > 1).then(|| format!("ids = {names:?}\n")));
+        axes_text.extend(interpolated.then_some("interpolated = true\n"));
         if fanuc && random.one_in(4) {
             features.push("first_point");
             axes_text += &format!("first_point = {}\n", 150 + 150 * index);
@@ -323,9 +314,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             features.push("parameter_3605");
             axes_text += &format!("parameter_3605 = \"100000{}0\"\n", u8::from(interpolated));
         }
-        if siemens && random.one_in(4) {
-            axes_text += "measuring_system = 2\n";
-        }
+        let is_second = siemens && random.one_in(4);
+        axes_text.extend(is_second.then_some("measuring_system = 2\n"));
         axes.push(MachineAxis { low, high, reference, names, unit_um: stated_unit, interpolated });
     }
 
@@ -357,12 +347,9 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     };
     let mut control =
         format!("controller = \"{}\"\nfit = \"{fit}\"\ncurve = \"{curve}\"\n", profile.id);
-    if inch {
-        control += "control_unit = \"inch\"\n";
-    }
-    if let Some(policy) = policy.filter(|_| terms.iter().any(Term::both_ways)) {
-        control += &format!("backlash = \"{policy}\"\n");
-    }
+    control.extend(inch.then_some("control_unit = \"inch\"\n"));
+    let asked = policy.filter(|_| terms.iter().any(Term::both_ways));
+    control.extend(asked.map(|policy| format!("backlash = \"{policy}\"\n")));
     if siemens && random.one_in(3) {
         features.push("first_table");
         control += &format!("first_table = {}\n", 1 + random.below(3));

@@ -18,7 +18,8 @@ pub(crate) use tree::*;
 pub(crate) use visit::*;
 
 use nonius::control::controller::{
-    BesideTable, CrossTerms, DeclaredFacts, Dialect, KitFile, Profile, Role, TableSign, builtin,
+    BesideTable, CrossTerms, DeclaredFacts, Dialect, Evidence, KitFile, Profile, Role, TableSign,
+    builtin,
 };
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
@@ -239,36 +240,21 @@ pub(crate) fn replaces_backlash(profile: &Profile) -> bool {
 
 /// The profile with every sign the other way round, for emulation only.
 pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
-    let turn = |sign: &mut TableSign| {
-        *sign = match sign {
+    let mut turned = profile.clone();
+    let signs = match &mut turned.dialect {
+        Dialect::Siemens(facts) => vec![&mut facts.lec_sign, &mut facts.cec_sign],
+        Dialect::Fanuc(facts) => vec![&mut facts.pitch_sign, &mut facts.straightness_sign],
+        // The generic table says correction and deviation.
+        Dialect::Declared(facts) if facts.typed.is_some() => vec![],
+        Dialect::Declared(facts) => vec![&mut facts.own_sign, &mut facts.cross_sign],
+        Dialect::Linuxcnc(facts) => vec![&mut facts.trim_sign, &mut facts.sum_sign],
+        Dialect::Isg(facts) => vec![&mut facts.error_sign, &mut facts.angle_sign],
+    };
+    for sign in signs {
+        sign.value = match sign.value {
             TableSign::AsError => TableSign::AsCorrection,
             TableSign::AsCorrection => TableSign::AsError,
-        }
-    };
-    let mut turned = profile.clone();
-    match &mut turned.dialect {
-        Dialect::Siemens(facts) => {
-            turn(&mut facts.lec_sign.value);
-            turn(&mut facts.cec_sign.value);
-        }
-        Dialect::Fanuc(facts) => {
-            turn(&mut facts.pitch_sign.value);
-            turn(&mut facts.straightness_sign.value);
-        }
-        // The generic table says correction and deviation.
-        Dialect::Declared(facts) if facts.typed.is_some() => {}
-        Dialect::Declared(facts) => {
-            turn(&mut facts.own_sign.value);
-            turn(&mut facts.cross_sign.value);
-        }
-        Dialect::Linuxcnc(facts) => {
-            turn(&mut facts.trim_sign.value);
-            turn(&mut facts.sum_sign.value);
-        }
-        Dialect::Isg(facts) => {
-            turn(&mut facts.error_sign.value);
-            turn(&mut facts.angle_sign.value);
-        }
+        };
     }
     turned
 }
@@ -325,14 +311,11 @@ pub(crate) struct Lines {
 
 impl Lines {
     pub(crate) fn at(&self, x: f64) -> f64 {
-        let last = self.mm.len() - 1;
-        if x <= self.mm[0] {
-            return self.um[0];
-        }
-        if x >= self.mm[last] {
-            return self.um[last];
-        }
-        let right = self.mm.iter().position(|knot| *knot > x).unwrap();
+        let right = match self.mm.iter().position(|knot| *knot > x) {
+            Some(0) => return self.um[0],
+            Some(right) => right,
+            None => return self.um[self.um.len() - 1],
+        };
         let (x0, x1) = (self.mm[right - 1], self.mm[right]);
         let (y0, y1) = (self.um[right - 1], self.um[right]);
         y0 + (x - x0) / (x1 - x0) * (y1 - y0)
@@ -345,7 +328,6 @@ pub(crate) fn words(findings: &[Finding]) -> Vec<String> {
 
 /// How many facts of a profile were read in a manual, are assumed, or were seen on a control: `8/10/0`.
 pub(crate) fn evidence(id: &str) -> String {
-    use nonius::control::controller::{Evidence, builtin};
     let profile = builtin::profile(id).unwrap();
     let count = |evidence| profile.statements.iter().filter(|s| s.evidence == evidence).count();
     let all = [Evidence::Manual, Evidence::Assumed, Evidence::Executed].map(count);

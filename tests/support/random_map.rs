@@ -23,15 +23,10 @@ pub(crate) enum Family {
 }
 
 impl Family {
-    pub(crate) const ALL: [Family; 7] = [
-        Family::Smooth,
-        Family::Noise,
-        Family::Separable,
-        Family::Ties,
-        Family::Angles,
-        Family::FarOff,
-        Family::Steps,
-    ];
+    pub(crate) const ALL: [Family; 7] = {
+        use Family::*;
+        [Smooth, Noise, Separable, Ties, Angles, FarOff, Steps]
+    };
 }
 
 struct Numbers(ChaCha8Rng);

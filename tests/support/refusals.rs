@@ -4,8 +4,6 @@ use super::tree::{Entry, Tree, tree};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Arguments of a case without a line `$`.
-const DEFAULT_COMMAND: &str = "generate job.toml -o kit";
 /// What stands before the name of a case.
 const HEAD: &str = "\n== ";
 
@@ -55,7 +53,7 @@ fn case(fixtures: &Path, part: &str) -> Case {
     let mut lines = part.lines();
     let mut case = Case {
         name: lines.next().unwrap_or_default().to_string(),
-        command: DEFAULT_COMMAND.to_string(),
+        command: "generate job.toml -o kit".to_string(), // without a line `$`
         files: Tree::new(),
         expected: String::new(),
     };

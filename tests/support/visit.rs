@@ -352,6 +352,10 @@ pub(crate) fn without(job: &str, table: &str) -> String {
     format!("{before}[compensation]{after}")
 }
 
+pub(crate) fn cells(row: &str) -> Vec<&str> {
+    row.split(',').collect()
+}
+
 /// The lines of a table with their cells changed; without those of which `change` says no.
 pub(crate) fn with_cells(text: &str, mut change: impl FnMut(&mut [String]) -> bool) -> String {
     let changed = |line: &str| {

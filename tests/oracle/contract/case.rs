@@ -10,8 +10,6 @@ use nonius::quantity::{Direction, ErrorTerm, Interpolation, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::write::findings::TableFinding;
 
-/// Positions of a dense look along an axis: straight lines bend at known places, cubics peak.
-const DENSE: [usize; 2] = [240, 2000];
 /// Beside a jump, mm: near enough that no curve moves by more than [`NEAR_UM`].
 const BESIDE_MM: f64 = 1e-7;
 /// What a curve moves within [`BESIDE_MM`], µm.
@@ -128,7 +126,8 @@ impl Case<'_> {
     }
 
     pub(crate) fn places(&self, term: &Term, held: &Held, from: f64, to: f64) -> Vec<f64> {
-        let dense = DENSE[usize::from(self.machine.kind != Interpolation::Linear)];
+        // Straight lines bend at known places, cubics peak.
+        let dense = if self.machine.kind == Interpolation::Linear { 240 } else { 2000 };
         let (mut places, jumps) = self.bends_and_jumps(term, held);
         places.extend(jumps.iter().flat_map(|x| [x - BESIDE_MM, x + BESIDE_MM]));
         places.extend((0..=dense).map(|i| from + (to - from) * i as f64 / dense as f64));

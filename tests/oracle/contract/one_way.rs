@@ -115,7 +115,11 @@ impl<'a> OneWay<'a> {
     /// Half a count, or what the fit of a four-point line leaves.
     fn half_um(&self) -> f64 {
         let half = self.case.count_um(self.term.term, self.output) / 2.0;
-        self.placement.fit_residual_um.unwrap_or(half) + self.float_um()
+        // LinuxCNC holds a value of a COMP_FILE as a C float.
+        let largest = self.held.um.iter().fold(0.0_f64, |most, um| most.max(um.abs()));
+        let is_float = self.is_of_linuxcnc() && !self.adds_up();
+        let float_um = if is_float { largest * f64::from(f32::EPSILON) } else { 0.0 };
+        self.placement.fit_residual_um.unwrap_or(half) + float_um
     }
 
     /// The curves of a HAL file add up to the table.
@@ -125,13 +129,6 @@ impl<'a> OneWay<'a> {
 
     fn is_of_linuxcnc(&self) -> bool {
         matches!(self.case.profile.dialect, Dialect::Linuxcnc(_))
-    }
-
-    /// LinuxCNC holds a value of a COMP_FILE as a C float.
-    fn float_um(&self) -> f64 {
-        let largest = self.held.um.iter().fold(0.0_f64, |most, um| most.max(um.abs()));
-        let is_float = self.is_of_linuxcnc() && !self.adds_up();
-        if is_float { largest * f64::from(f32::EPSILON) } else { 0.0 }
     }
 
     /// The table as the fit made it; `sample` is the curve itself, by the test's own figures.

@@ -8,9 +8,6 @@ use nonius::control::controller::{Profile, builtin};
 use nonius::quantity::{Axis, Direction, ErrorTerm, Interpolation};
 use std::path::Path;
 
-/// Detection unit of the controls that count in one, µm.
-const UNIT_UM: f64 = 0.1;
-
 /// Targets, mm, and the mean deviation of five runs there, µm, moving up and down.
 type Stage = (Vec<f64>, [Vec<f64>; 2]);
 
@@ -30,7 +27,7 @@ fn stage(data: &Path, axis: Axis) -> Stage {
 /// The machine that has them, with points on the targets. A Fanuc control adds at most 7 × 100 × 0.1 µm from one
 /// point to the next, less than the steepest stage asks for, so it has one more between any two.
 fn machine(stages: &[Stage; 3], profile: &Profile, policy: &'static str) -> Machine {
-    let unit_um = profile.detection_unit_required.value.then_some(UNIT_UM);
+    let unit_um = profile.detection_unit_required.value.then_some(0.1);
     let parts = if profile.id.starts_with("fanuc") { 2.0 } else { 1.0 };
     let (mut axes, mut terms, mut keys) = (Vec::new(), Vec::new(), Vec::new());
     let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,ez_um\n");

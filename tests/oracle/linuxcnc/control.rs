@@ -6,7 +6,6 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 use tempfile::TempDir;
 
 pub(crate) const LETTERS: [&str; 3] = ["X", "Y", "Z"];
@@ -16,9 +15,6 @@ const SPEED_MM: f64 = 500.0;
 
 /// A servo cycle, s.
 pub(crate) const CYCLE_S: f64 = 1e-3;
-
-/// Longest time for one start, a minute more than any program here takes.
-const LIMIT: Duration = Duration::from_secs(300);
 
 /// The unprivileged user that the control runs as where the test is root: it refuses to run as root.
 const NOBODY: &str = "65534";
@@ -210,8 +206,8 @@ fn start(folder: &Path) -> String {
     lock.lock().unwrap();
     let root =
         fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
-    let seconds = LIMIT.as_secs().to_string();
-    let mut words = vec!["timeout", "--kill-after=10", &seconds];
+    // A minute more than any program here takes.
+    let mut words = vec!["timeout", "--kill-after=10", "300"];
     if root {
         let whose = format!("{NOBODY}:{NOBODY}");
         let given = Command::new("chown").arg("-R").arg(whose).arg(folder).status();

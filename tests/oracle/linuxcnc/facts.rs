@@ -121,9 +121,6 @@ const CURVE: &str = "loadrt lincurve count=1 personality=2\nloadrt sum2 count=2\
     net nonius-2-encoder sum2.1.in0\nnet feedback sum2.1.out => joint.2.motor-pos-fb\nsetp sum2.1.gain1 -1\n\
     setp lincurve.0.x-val-00 -50\nsetp lincurve.0.y-val-00 -0.1\nsetp lincurve.0.x-val-01 100\nsetp lincurve.0.y-val-01 0.2\n";
 
-/// The way of the switch in one servo cycle at HOME_LATCH_VEL, µm; it is seen two cycles late.
-const SWITCH_UM: f64 = 0.2;
-
 /// Tables and curves act before homing, on a position that is not the machine's. The zero of a joint is afterwards off
 /// by what acted when it was homed: at a switch that is the value of the table there.
 pub(crate) fn before_homing_and_the_zero() {
@@ -155,7 +152,8 @@ pub(crate) fn before_homing_and_the_zero() {
     for joint in &jogged {
         near(motor_um(joint), 25_050.0, rounding);
     }
-    near(motor_um(&zero[0]), 30_000.0 - 50_000.0 - 100.0, 2.0 * SWITCH_UM);
+    // The switch goes 0.2 µm in one servo cycle at HOME_LATCH_VEL, and is seen two cycles late.
+    near(motor_um(&zero[0]), 30_000.0 - 50_000.0 - 100.0, 2.0 * 0.2);
     for joint in &zero[1..] {
         near(motor_um(joint), 25_050.0 - 50.0, rounding);
     }

@@ -17,8 +17,6 @@ const EMULATOR_UM: f64 = 1e-3;
 const FORECAST_UM: f64 = 5e-3;
 /// Quick, so that the test is: a reversal of less than half of it × cycle² (2.5 µm) could be left out (docs/linuxcnc.md §2).
 pub(crate) const ACCELERATION_MM: f64 = 5000.0;
-/// Longest ramp of a reversal, servo cycles.
-const RAMP: usize = 100;
 
 pub(crate) struct Case {
     pub(crate) machine: Machine,
@@ -218,7 +216,7 @@ fn ramps_are_short(cycles: &[Cycle], joint: usize) {
         let now = cycle[joint];
         let is_off = now.ramp_um() > step_um + 0.1;
         ramp = if is_off { ramp + 1 } else { 0 };
-        assert!(ramp < RAMP, "a ramp does not end at {now:?}");
+        assert!(ramp < 100, "a ramp does not end at {now:?}");
     }
 }
 

@@ -82,10 +82,6 @@ pub(crate) struct Stand {
     pub(crate) upwards: [bool; 3],
 }
 
-/// Servo cycles without any change that make a standstill. A dwell lasts its seconds, and on a busy computer the control makes
-/// fewer cycles in them than it should.
-const STILL: usize = 20;
-
 /// The places where all joints rest after the first move, every ramp over, as they are at the end of it.
 pub(crate) fn stands(run: &[Cycle]) -> Vec<Stand> {
     let (mut found, mut upwards, mut still, mut moved) = (Vec::new(), [true; 3], 0, false);
@@ -97,7 +93,8 @@ pub(crate) fn stands(run: &[Cycle]) -> Vec<Stand> {
         }
         let goes_on = run.get(number + 1).is_some_and(|next| is_unchanged(cycle, next));
         moved |= cycle.iter().any(|joint| joint.speed != 0.0);
-        if moved && still >= STILL && !goes_on {
+        // A dwell lasts its seconds, and on a busy computer the control makes fewer cycles in them than it should.
+        if moved && still >= 20 && !goes_on {
             found.push(Stand {
                 command: cycle.map(|joint| joint.command),
                 drive: cycle.map(|joint| joint.drive),
