@@ -184,7 +184,6 @@ fn directories(tree: &Tree) -> impl Iterator<Item = &String> {
     tree.iter().filter(|(_, entry)| **entry == Entry::Directory).map(|(name, _)| name)
 }
 
-/// The outermost names of what is unfinished.
 fn partials(tree: &Tree) -> Vec<&String> {
     let is_outermost =
         |name: &&String| name.split_once(".partial-").is_some_and(|(_, rest)| !rest.contains('/'));

@@ -41,7 +41,6 @@ fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
     made.unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
-/// What each sign proof has to show, as the manifest has it.
 fn proofs_of(kit: &Kit) -> Vec<Value> {
     kit.manifest.sign_proofs.iter().map(|proof| serde_json::to_value(proof).unwrap()).collect()
 }

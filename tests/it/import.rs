@@ -67,7 +67,6 @@ fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
     Stated { material_corrected, ..laser(first_target_at_mm, targets_run) }
 }
 
-/// The same, the first target at −200 mm and the others above it.
 fn of_rtl() -> Stated {
     rtl_laser(-200.0, Direction::Plus)
 }
@@ -196,7 +195,6 @@ fn corrections_are_turned_once() {
     }
 }
 
-/// Every deviation of the return runs 2 and 4 as zero.
 fn never_returned(text: &str) -> String {
     let zeros = text.lines().map(|line| match line.split_whitespace().collect::<Vec<_>>()[..] {
         [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),

@@ -98,7 +98,6 @@ fn a_staircase_is_a_staircase() {
     near("VA", defined(after, "va_um"), 10.0, LAST_DIGIT);
 }
 
-/// A machine with its kit, measured once more while that kit was active.
 fn measured_again(naked: &str, left: &str) -> Visit {
     let visit = visit("", &control("generic", ""), &along_x(naked)).with_kit();
     visit.edit("job.toml", "measuring = \"none\"", "measuring = \"kit\"");

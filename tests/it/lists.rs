@@ -83,7 +83,6 @@ fn as_many_values_as_captures_fill_the_form() {
     }
 }
 
-/// The name of a capture as the refusal says it.
 fn name(cells: &str) -> String {
     let cells: Vec<&str> = cells.split(',').collect();
     let moved = if cells[4].is_empty() { String::new() } else { format!(", moved {}", cells[4]) };

@@ -88,7 +88,6 @@ impl Case {
     }
 }
 
-/// A step diagonal on one of two controls, with further keys.
 fn siemens(keys: &str) -> Case {
     Case::small("siemens-840d-sl", &format!("{STEP}\n{keys}"))
 }
@@ -240,7 +239,6 @@ fn the_walk_finds_what_is_wrong_with_a_program_its_readings_and_positions() {
     }
 }
 
-/// A file of readings with its last column filled in, by line.
 fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
     let text = String::from_utf8(form.bytes.clone()).unwrap();
     let cell = |index| if index == 0 { "" } else { cell(index) };

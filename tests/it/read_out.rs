@@ -64,7 +64,6 @@ impl Control {
         self.verify("out", verdict)
     }
 
-    /// `more` beside the tables, the verdict, and words that the page has to hold.
     #[track_caller]
     fn is(&self, more: &str, verdict: &str, says: &str) {
         self.judge(verdict, &[("all.txt", &self.archive(more))]).says(says);

@@ -72,7 +72,6 @@ fn understood(job: fn(&str) -> Inputs, files: Files) -> String {
     said + &format!("verify: {causes} causes, {doubts} doubts\n")
 }
 
-/// Tables and what was ignored, in numbers.
 fn told(active: &ActiveControl) -> String {
     let notes = of_severity(&active.findings, Severity::Note).len();
     let mut said = format!("{notes} notes, CEC tables of others {:?}\n", active.others.cec_tables);

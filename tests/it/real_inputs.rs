@@ -96,7 +96,6 @@ fn machine() -> Visit {
     Visit::with(job, errors)
 }
 
-/// Why a program is refused, in one word.
 fn kind(said: &str) -> &'static str {
     let kinds = [
         ("turning programs", "turning"),
@@ -111,7 +110,6 @@ fn kind(said: &str) -> &'static str {
     kinds.iter().find(|(words, _)| said.contains(words)).map_or("other", |(_, kind)| kind)
 }
 
-/// `ran`, or why not.
 fn outcome(visit: &Visit, program: &Path) -> String {
     let program = fs::canonicalize(program).unwrap();
     let ran = visit.run(&format!("path job.toml --format json \"{}\"", program.display()));

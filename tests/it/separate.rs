@@ -105,7 +105,6 @@ pub(crate) fn straight(keys: &str, rows: &str) -> Visit {
     visit
 }
 
-/// Deviations of the forward runs at the cell ends of each diagonal.
 fn cell_ends() -> [(&'static str, Vec<f64>); 4] {
     let readings = fixture("diagonals/case_a_ideal/readings.csv");
     let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();

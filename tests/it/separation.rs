@@ -10,7 +10,6 @@ use serde_json::Value;
 /// The readings files hold nine decimals (1e-9 µm); sums of 4·30 increments keep 1e-7 µm.
 const FILE_DIGITS_UM: f64 = 1e-7;
 
-/// The separation of a golden case, and what the reference expects.
 fn separated(case: &str) -> (Separation, Value) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
     let (measurement, readings) = golden_readings(case);
@@ -36,7 +35,6 @@ fn all_curves_are_close(separation: &Separation, expected: &Value, tolerance: f6
     }
 }
 
-/// The squareness of every plane, from a key of what is expected.
 fn squareness_is_close(separation: &Separation, expected: &Value, tolerance: f64) {
     for plane in Plane::ALL {
         let found = separation.metric.squareness(plane).um_per_m.unwrap();

@@ -9,7 +9,6 @@ use nonius::text::Finding;
 use nonius::write::findings::TableFinding;
 use nonius::write::plan::{PlannedTable, Task, plan};
 
-/// A job of three axes of 100 mm.
 pub(super) fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
     let keys = format!("spacing_mm = {spacing:?}\ndetection_unit_um = 1.0");
     let axes = ["x", "y", "z"].map(|axis| (axis, [0.0, 100.0], reference, keys.clone()));

@@ -57,7 +57,6 @@ fn close(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found} instead of {expected}");
 }
 
-/// Seeds of random machines, the families in turn.
 fn machines(count: u64) -> impl Iterator<Item = (u64, Family)> {
     (0..count).zip(Family::ALL.into_iter().cycle())
 }

@@ -86,7 +86,6 @@ fn lines(change: impl Fn(&str) -> Option<String>) -> impl Fn(&str) -> String {
     move |text| text.split('\n').filter_map(&change).collect::<Vec<_>>().join("\n")
 }
 
-/// Without the lines that begin with `head`.
 fn cut(head: &str) -> impl Fn(&str) -> String {
     lines(move |line| (!line.trim_start().starts_with(head)).then(|| line.to_string()))
 }

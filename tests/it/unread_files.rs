@@ -3,13 +3,11 @@
 use crate::support::{Ran, Visit, own_profile, tree};
 use std::fs;
 
-/// The sentence of a verdict that rests on a file without reader.
 const UNREAD: &str = "`loaded.csv` is not read back (role `report`)";
 const CHANGED: &str = "`loaded.csv` was changed after it was made";
 const VERIFY: &str = "verify job.toml --tables kit";
 
-/// A fresh kit of a control that loads `loaded.csv`, in a layout that no reader takes, with more of its keys, and what
-/// `generate` said.
+/// A kit of a control that loads `loaded.csv`, in a layout that no reader takes, with more keys; what `generate` said.
 fn kit(keys: &str) -> (Visit, Ran) {
     let file = |role: &str, path: &str, template: &str| {
         format!("[[files]]\nrole = \"{role}\"\npath = \"{path}\"\ntemplate = \"{template}\"\n")

@@ -36,7 +36,6 @@ pub(super) fn small(controller: &str, measurement: &str, compensation: &str, axe
     )
 }
 
-/// A job for each of the two controls whose files are read out here.
 fn siemens(measurement: &str) -> String {
     small("siemens-840d-sl", measurement, "", SIEMENS_AXES)
 }

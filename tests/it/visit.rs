@@ -40,7 +40,6 @@ fn put_jobs(visit: &Visit, golden: &str, [program, how, policy]: Campaign) {
     visit.put("after.toml", measured("after.csv", &after, "linear-after.csv"));
 }
 
-/// A folder with the jobs and the true curves, measured as found.
 fn prepared(golden: &str, truth: &str, campaign: Campaign) -> Visit {
     let visit = Visit::new();
     put_jobs(&visit, golden, campaign);
@@ -134,7 +133,6 @@ fn is_named(after: &Value, kind: &str, holds: &str) -> String {
     words
 }
 
-/// The readings of two diagonals, each under the name of the other.
 fn exchanged(readings: &str, one: &str, other: &str) -> String {
     with_cells(readings, |cells| {
         let swapped = [(one, other), (other, one)].into_iter().find(|(name, _)| cells[0] == *name);

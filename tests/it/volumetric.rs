@@ -70,7 +70,6 @@ fn translation(v: [f64; 3]) -> Matrix4<f64> {
     Matrix4::new_translation(&Vector3::from(v))
 }
 
-/// Places of the offsets and of the tool point in the tests with matrices.
 const OFFSETS: [f64; 3] = [350.0, 180.0, 130.0];
 const TOOL: [f64; 3] = [40.0, -25.0, -180.0];
 

@@ -58,7 +58,6 @@ fn gantry_is_equal(case: &Case<'_>, term: ErrorTerm) {
     }
 }
 
-/// Shows the machine whose kit did not hold.
 struct Shown<'a>(&'a Machine, &'a Profile);
 
 impl Drop for Shown<'_> {
@@ -77,7 +76,6 @@ struct Seen {
     features: BTreeMap<&'static str, usize>,
 }
 
-/// Features that only the kit tells.
 fn features_of(case: &Case<'_>) -> impl Iterator<Item = &'static str> {
     let tables = &case.kit.plan.tables;
     let unit = |term: ErrorTerm| case.machine.axis(term.of).unit_um;

@@ -29,7 +29,6 @@ fn tool_mm(number: u32) -> f64 {
     25.4 * f64::from(number)
 }
 
-/// A folder with job, error table, tool table and parameters of both.
 struct Bench(Visit);
 
 impl Bench {

@@ -92,7 +92,6 @@ fn measured((seed, noise): (u64, u64), way: Way, wavy: Wavy, slip: &Slip) -> Sep
     solved(&box_, lines, &all)
 }
 
-/// The sentence on what would hardly show.
 fn hardly(found: &Separation) -> Option<String> {
     let mut labels = words(&found.labels).into_iter();
     labels.find(|label| label.starts_with("these readings cannot detect"))

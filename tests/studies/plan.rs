@@ -310,7 +310,6 @@ fn a_variant_opens_what_it_measures_and_the_cheapest_that_will_do_is_found() {
     assert!(never.is_none_or(|(_, _, forecast, second)| forecast.is_none() && second.is_none()));
 }
 
-/// The job of the start, its acceptance as given, planned.
 fn planned(max_deviation_um: &str, edit: (&str, &str), arguments: &str) -> visit::Ran {
     let visit = visit::Visit::new();
     visit.put("job.toml", fixture("start/readings/job.toml"));

@@ -223,7 +223,6 @@ impl Kind {
     }
 }
 
-/// Share of kits for which something is so, and how many they are.
 fn share_of<'a>(
     all: impl IntoIterator<Item = &'a Outcome>,
     is: impl Fn(&Outcome) -> bool,

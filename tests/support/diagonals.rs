@@ -17,7 +17,6 @@ pub(crate) const U_LINE_UM_PER_M: f64 = 0.5;
 
 pub(crate) type Readings = PerDiagonal<Vec<f64>>;
 
-/// A machine and the way it was measured.
 #[derive(Clone, Debug)]
 pub(crate) struct Machine {
     pub volume: Volume,
@@ -331,7 +330,6 @@ pub(crate) fn squareness_off(truth: &Machine, found: &Separation, plane: Plane) 
     (squareness_error(truth, found, plane), expanded)
 }
 
-/// How often something lay within its expanded uncertainty.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Share {
     inside: usize,

@@ -157,7 +157,6 @@ pub(crate) struct MachineAxis {
 }
 
 impl MachineAxis {
-    /// The travel in so many equal parts.
     pub(crate) fn parts(&self, count: u32) -> impl Iterator<Item = f64> {
         let (low, length) = (self.low, self.high - self.low);
         (0..=count).map(move |part| low + length * f64::from(part) / f64::from(count))
@@ -423,7 +422,6 @@ fn grid_text(
     }
 }
 
-/// How one moving axis was measured.
 struct Measured {
     directions: usize,
     kind: Interpolation,

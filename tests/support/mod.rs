@@ -190,7 +190,6 @@ pub(crate) fn needs_unit(id: &str) -> bool {
     builtin::profile(id).unwrap().detection_unit_required.value
 }
 
-/// Whether its files are the generic table.
 pub(crate) fn is_generic(profile: &Profile) -> bool {
     matches!(&profile.dialect, Dialect::Declared(facts) if facts.typed.is_some())
 }
@@ -216,7 +215,6 @@ pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
     }
 }
 
-/// The controls that take the positioning of their axes.
 pub(crate) fn positioning_ids() -> impl Iterator<Item = &'static str> {
     builtin::ids().into_iter().filter(|id| *id != "klipper-skew")
 }

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 /// What stands before the name of a case.
 const HEAD: &str = "\n== ";
 
-/// One refusal: what is asked of which files, and what is said then.
 pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) command: String,

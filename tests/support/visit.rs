@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A path below `fixtures/`.
 pub(crate) fn fixtures(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name)
 }
@@ -69,7 +68,6 @@ pub(crate) fn program(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// What a run of the program printed, and its exit status.
 pub(crate) struct Ran {
     pub(crate) command: String,
     pub(crate) status: Option<i32>,
@@ -135,7 +133,6 @@ pub(crate) fn in_repository(command: &str) -> Ran {
     Ran::of(command, &program(&fixtures(".."), command).output().expect("the program starts"))
 }
 
-/// The program prints the block of a page behind these words.
 #[track_caller]
 pub(crate) fn is_shown(page: &str, words: &str, printed: &str) {
     let shown = block_behind(page, words);
@@ -227,7 +224,6 @@ impl Visit {
         ran
     }
 
-    /// Writes more behind the end of a file.
     #[track_caller]
     pub(crate) fn append(&self, name: &str, text: &str) -> &Visit {
         self.put(name, self.read(name) + text)
@@ -244,7 +240,6 @@ impl Visit {
         self.put(table, rows.collect::<String>());
     }
 
-    /// Copies a file of the fixtures under a name.
     pub(crate) fn copy(&self, from: &str, name: &str) -> &Visit {
         self.put(name, fs::read(fixtures(from)).unwrap_or_else(|e| panic!("{from}: {e}")))
     }
@@ -258,7 +253,6 @@ impl Visit {
         fs::read_to_string(self.at(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    /// A file that holds JSON, e.g. `kit/manifest.json`.
     #[track_caller]
     pub(crate) fn document(&self, name: &str) -> Value {
         serde_json::from_str(&self.read(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
@@ -339,7 +333,6 @@ impl Visit {
     }
 }
 
-/// A copy of a golden case of diagonals.
 pub(crate) fn golden_case(name: &str) -> Visit {
     Visit::of(&format!("diagonals/{name}"))
 }

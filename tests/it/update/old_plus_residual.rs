@@ -20,7 +20,6 @@ impl Case {
         self.controller.starts_with(family)
     }
 
-    /// The name of an axis, counted from 1.
     fn name(&self, n: u32) -> String {
         match self.controller.split('-').next() {
             Some("fanuc") => n.to_string(),
@@ -104,7 +103,6 @@ fn table(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> String {
     })
 }
 
-/// The inputs measured while the tables of a kit acted.
 fn under(case: &Case, old: &Kit, errors: &str) -> Inputs {
     println!("{case:?}"); // which one it is, where a check fails
     let found = inputs(&case.job(case.new_spacing, ACTIVE), errors);

@@ -149,7 +149,6 @@ impl Case<'_> {
     }
 }
 
-/// One table as the control holds it: nodes with the corrections there.
 pub(crate) struct Held {
     pub(crate) mm: Vec<f64>,
     pub(crate) um: Vec<f64>,

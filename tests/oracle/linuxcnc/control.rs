@@ -33,7 +33,6 @@ pub(crate) struct Setup<'a> {
     pub(crate) files: Vec<(String, Vec<u8>)>,
     /// More lines of the HAL file.
     pub(crate) hal: String,
-    /// How far the joints are jogged before homing.
     pub(crate) jog: Option<f64>,
     pub(crate) programs: Vec<String>,
 }
@@ -199,7 +198,6 @@ fn configuration(setup: &Setup<'_>) -> String {
     ini
 }
 
-/// Runs it to its end and returns what it printed.
 fn start(folder: &Path) -> String {
     // One at a time: the shared memory of the control is the computer's.
     let lock = fs::File::create(std::env::temp_dir().join("one-linuxcnc-at-a-time")).unwrap();
@@ -226,7 +224,6 @@ fn start(folder: &Path) -> String {
     String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()
 }
 
-/// Processes that still work in the folder.
 fn processes_in(folder: &Path) -> Vec<String> {
     let all = fs::read_dir("/proc").unwrap().flatten();
     let here = all.filter(|process| {

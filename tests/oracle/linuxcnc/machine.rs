@@ -77,7 +77,6 @@ impl Machine {
 pub(crate) struct Stand {
     pub(crate) command: [f64; 3],
     pub(crate) drive: [f64; 3],
-    /// What the own table of each joint adds.
     pub(crate) added: [f64; 3],
     pub(crate) upwards: [bool; 3],
 }

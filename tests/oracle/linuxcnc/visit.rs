@@ -71,7 +71,6 @@ fn job(machine: &Machine, readings: &str, active: &str) -> String {
     job + "[acceptance]\nmax_deviation_um = 2.0\n"
 }
 
-/// The visit; returns what `verify --after` says.
 pub(crate) fn visit(machine: &Machine) -> String {
     let visit = Visit::new();
     let measure = |tables| {

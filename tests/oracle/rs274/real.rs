@@ -2,7 +2,6 @@
 
 use super::{INCH, MM, SIEMENS, Unit};
 
-/// Keys of `[path]` for all of them.
 pub(crate) const KEYS: &str = "g43_without_h = \"tool\"\n";
 
 /// What LinuxCNC writes in another way, with the same moves.
@@ -43,7 +42,6 @@ const OTHERS: [(&str, &str, &str); 13] = [
     ("syntax_test_if.spf", REFUSED, "`IF` is not executed"),
 ];
 
-/// Whether what came of a program is what is expected of it.
 pub(crate) fn is_expected(name: &str, found: &Result<(), String>) -> bool {
     match OTHERS.iter().find(|(end, ..)| name.ends_with(end)) {
         None => found.is_ok(),
