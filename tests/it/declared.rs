@@ -107,22 +107,6 @@ fn a_second_measurement_builds_on_what_was_active() {
 }
 
 #[test]
-fn each_sign_proof_is_one_bump() {
-    let (visit, _) = with_kit();
-    for (name, tables) in [("SIGN-OWN.TXT", 3), ("SIGN-CROSS.TXT", 6)] {
-        let text = visit.read(&format!("kit/{name}"));
-        assert_eq!(text.matches("TABLE").count(), tables, "{text}");
-        let points = text.lines().filter_map(|line| line.split_once(' '));
-        let is_point = |(number, _): &(&str, &str)| number.parse::<u32>().is_ok();
-        let values = points.filter(is_point).map(|(_, value)| value.parse::<i64>().unwrap());
-        let bump: Vec<i64> = values.filter(|value| *value != 0).collect();
-        assert_eq!(bump, [-400], "20 um, as correction\n{text}");
-    }
-    let checklist = visit.read("kit/checklist.html");
-    assert!(checklist.contains("SIGN-CROSS.TXT") && checklist.contains("20.0 µm"));
-}
-
-#[test]
 fn a_mistake_in_the_profile_has_its_line() {
     let visit = visit();
     let profile = visit.read("norden.toml");

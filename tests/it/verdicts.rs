@@ -66,18 +66,6 @@ fn a_limit_on_the_largest_of_many_is_judged_for_all_of_them() {
     }
 }
 
-/// As left each value needs its own proof only, and a fail that of the worst of many.
-#[test]
-fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
-    let visit =
-        Visit::with(one_axis(NOISE, "max_deviation_um = 5"), wave(900, 12.0)).with_any_kit();
-    // u = 0.707: passes up to 5 − 1.645 u = 3.84, fails from 5 + 3.14 u = 7.22
-    for (size, expected) in [(3.8, "pass"), (4.2, "undecided"), (6.9, "undecided"), (7.5, "fail")] {
-        let page = visit.put("after.csv", wave(900, size)).json(AFTER);
-        assert_eq!(page["verdict"], expected, "{size}: {}", page["terms"]);
-    }
-}
-
 #[test]
 fn few_degrees_of_freedom_widen_u() {
     let known =

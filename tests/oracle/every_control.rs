@@ -1,7 +1,6 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
 use crate::support::*;
 use nonius::control::controller::builtin;
-use nonius::quantity::Axis;
 use serde_json::Value;
 
 /// The golden machine of 900 mm with another control, a detection unit of 1 µm where one is asked
@@ -79,50 +78,4 @@ fn checklist_begins_with_the_work(id: &str, visit: &Visit) {
         assert_eq!(hidden.find(|line| line.contains(harm)), None, "{id}");
     }
     assert!(work.lines().count() <= 70, "{id}: too many lines before the annex\n{work}");
-}
-
-/// Largest error of the forecast's figures: they are sums of a few rounded numbers, µm.
-const FIGURE_UM: f64 = 1e-6;
-/// Range of every body diagonal as measured, µm, from an independent simulation.
-const DIAGONALS_UM: [f64; 4] = [18.543452999, 12.715510628, 13.843169661, 21.457424184];
-/// φ of every pair of axes, µm/m, from the same simulation.
-const SQUARENESS_UM_PER_M: [(Axis, Axis, f64); 3] =
-    [(Axis::X, Axis::Y, 19.166666667), (Axis::X, Axis::Z, -13.055555556), (Axis::Y, Axis::Z, 12.5)];
-
-#[test]
-fn nine_errors_of_the_900_mm_machine_on_every_control() {
-    let errors = fixture("nine_errors_900/errors.csv");
-    for id in positioning_ids() {
-        let example = if needs_unit(id) { "fanuc-30i" } else { "generic" };
-        let job = fixture(&format!("nine_errors_900/{example}.toml"));
-        let job = job.replace(&format!("\"{example}\""), &format!("\"{id}\""));
-        let (inputs, kit) = generate(&job, &errors);
-        assert_eq!(kit.manifest.controller, id);
-        for (first, second, expected) in SQUARENESS_UM_PER_M {
-            let phi = inputs.model.squareness_um_per_m(first, second).unwrap();
-            near(id, phi, expected, FIGURE_UM);
-        }
-        let diagonals = kit.forecast.diagonals.iter();
-        let names: Vec<&str> = diagonals.clone().map(|of| of.diagonal.name()).collect();
-        assert_eq!(names, DIAGONALS);
-        for (diagonal, before) in diagonals.zip(DIAGONALS_UM) {
-            let (name, left) = (diagonal.diagonal, diagonal.change.after_um);
-            near(id, diagonal.change.before_um, before, FIGURE_UM);
-            // Without its straightness and squareness a diagonal may become larger.
-            assert!(left < before || !kit.plan.omitted.is_empty(), "{id} {name}: {left} after");
-            // Table points lie on the measured ones: nothing but rounding is left.
-            let exact = match id {
-                "generic" => FIGURE_UM,
-                "siemens-840d-sl" => 9.0 * 0.0005,
-                _ => continue,
-            };
-            assert!(left <= 2.0 * exact, "{id} {name}: {left} after");
-        }
-        let expected = match id {
-            "fanuc-0i-f" | "fanuc-16i" | "isg-axis" => 3, // ISG has one for each axis
-            _ if has_cross_terms(&inputs.profile) => 0,
-            _ => 6, // no table moves another axis
-        };
-        assert_eq!(kit.plan.omitted.len(), expected, "{id}: terms without a table");
-    }
 }
