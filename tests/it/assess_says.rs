@@ -52,8 +52,7 @@ fn the_volume_is_claimed_only_where_no_place_is_worse() {
 fn a_separation_keeps_its_labels_and_its_frame() {
     let found = document(&Visit::of("diagonals/case_d_bidirectional"), "assess job.toml");
     assert_eq!(found["frame"], "as-measured");
-    labelled(&found, "set-up assumed perfect");
-    labelled(&found, "a reversal of about");
+    labelled(&found, &["set-up assumed perfect", "a reversal of about"]);
     let visit = Visit::of("start/readings");
     assert_eq!(document(&visit, "assess job.toml")["frame"], "x-primary");
     let said = explained(&visit, "assess job.toml").omits("nothing was rotated");
@@ -112,7 +111,7 @@ fn tables_that_were_active_are_part_of_the_machine_as_measured() {
     let words = "as measured, with the tables of `kit` active; without any tables";
     explained(&visit, "assess after.toml").says(words);
     let found = document(&visit, "assess silent.toml");
-    labelled(&found, "`active_while_measuring` is not stated");
+    labelled(&found, &["`active_while_measuring` is not stated"]);
     assert_eq!(found["active"], Value::Null);
 }
 
@@ -124,7 +123,7 @@ fn places_that_levers_depend_on_are_named() {
     assert_eq!(found["tool_offset_mm"], json!([0.0, 0.0, -120.5]));
     assert_eq!(found["offsets_mm"], json!({"x": 4000.0, "y": 100.0, "z": null}));
     assert_eq!(found["volume_mm"]["y"], json!([0.0, 300.0]));
-    labelled(&found, "does not reach: X 4000 mm");
+    labelled(&found, &["does not reach: X 4000 mm"]);
     let words = "tool offset (0, 0, -120.5) mm; offsets X 4000, Y 100 mm";
     explained(&visit, "assess job.toml").says(words);
 }
@@ -205,7 +204,7 @@ fn figures_need_neither_a_control_nor_a_backlash_policy() {
     let visit = Visit::with(cube(), both);
     let found = document(&visit, "assess job.toml");
     assert_eq!(number(&found["definitions"]["va_um"]), 10.0);
-    labelled(&found, "the mean of both counts");
+    labelled(&found, &["the mean of both counts"]);
     visit.run("generate job.toml -o kit").ends(2); // tables need a control
 }
 
@@ -214,8 +213,13 @@ fn slips_of_the_unit_are_doubted() {
     let job = cube() + "[measurement.squareness_um_per_m]\nxy = 5001.0\n";
     let table = "axis,position_mm,ex_mm,ey_um\nx,0,0,0\nx,300,5.1,4999\ny,0,0,0\ny,300,0,0\n";
     let found = document(&Visit::with(&job, table), "assess job.toml");
-    labelled(&found, "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely");
-    labelled(&found, "doubt: squareness_xy reaches 5001 µm/m");
+    labelled(
+        &found,
+        &[
+            "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely",
+            "doubt: squareness_xy reaches 5001 µm/m",
+        ],
+    );
     assert!(!found["labels"].to_string().contains("EYX reaches"), "{}", found["labels"]);
 }
 

@@ -1,5 +1,5 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::{Visit, error_rows, error_table, own_profile, positioning_ids, short_or};
+use crate::support::*;
 use nonius::control::controller::{Dialect, builtin};
 use nonius::inputs::error_table::Kind;
 use nonius::quantity::Axis;
@@ -61,13 +61,6 @@ fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
 /// Positioning of X, Y and Z, µm/m.
 const SLOPES: [f64; 3] = [20.0, -15.0, 25.0];
 
-/// Deviations while an axis moves: a scale that is off, and a bow on both other axes.
-fn deviations(axis: usize, at_mm: f64, is_back: bool) -> [f64; 3] {
-    let mut deviations = [1.0, -0.5, 0.3].map(|bow| 4e-5 * bow * at_mm * at_mm);
-    deviations[axis] = SLOPES[axis] * at_mm / 1000.0 - if is_back { 3.0 } else { 0.0 };
-    deviations
-}
-
 /// The invented machine as an error table, with rows at the ends of a box of diagonals too.
 fn machine(at: &Visit, steps: u32, both: bool, box_ends: &[[f64; 2]; 3]) {
     let places = |axis: usize| {
@@ -79,8 +72,12 @@ fn machine(at: &Visit, steps: u32, both: bool, box_ends: &[[f64; 2]; 3]) {
         (AXES[axis], places)
     };
     let ways: &[&str] = if both { &["+", "-"] } else { &[""] };
-    let deviations = |axis: &str, way: &str, mm| {
-        deviations(AXES.iter().position(|own| *own == axis).unwrap(), mm, way == "-")
+    // A scale that is off, and a bow on both other axes.
+    let deviations = |axis: &str, way: &str, mm: f64| {
+        let axis = AXES.iter().position(|own| *own == axis).unwrap();
+        let mut deviations = [1.0, -0.5, 0.3].map(|bow| 4e-5 * bow * mm * mm);
+        deviations[axis] = SLOPES[axis] * mm / 1000.0 - if way == "-" { 3.0 } else { 0.0 };
+        deviations
     };
     let axes = [0, 1, 2].map(places);
     at.put("machine.csv", error_rows("ex_um,ey_um,ez_um", &axes, ways, deviations));
@@ -307,9 +304,9 @@ fn a_read_out_fills_the_keys_that_it_knows() {
     let begun = begun.says("`machine.axes.x.reference_mm = 500.0`; 1240 of axis 1 is 500 mm");
     begun.omits("axes.y").says("replace those of PARA.TXT or lie beside them");
     let page = at.read("next/job.toml");
-    assert!(page.contains("travel_mm = [-5.0, 905.0]\nreference_mm = 500.0\n"), "{page}");
-    assert!(page.contains("\nactive_while_measuring = \"../PARA.TXT\"\n"), "{page}");
-    assert!(page.contains("\ninstrument = \"\"\n"), "the laser of that day: {page}");
+    let active = "\nactive_while_measuring = \"../PARA.TXT\"\n";
+    let travel = "travel_mm = [-5.0, 905.0]\nreference_mm = 500.0\n";
+    holds(&page, &[travel, active, "\ninstrument = \"\"\n"]); // the laser of that day
     // In the unit of the control that was read out; what no key of the job holds is said.
     let inch = "%_N_INITIAL_INI\nCHANDATA(1)\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=0\n\
         N34100 $MA_REFP_SET_POS[0,AX1]=10\nN32700 $MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";

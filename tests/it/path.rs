@@ -1,6 +1,6 @@
 //! `nonius path` (what it refuses: fixtures/cases/refuses/path.txt), and its scanner against one by others.
 
-use crate::support::{Entry, Visit, fixtures, number, refusals};
+use crate::support::{Entry, Visit, fixtures, holds, number, refusals};
 use part_program::{Language, Word, words};
 use proptest::prelude::*;
 use serde_json::json;
@@ -76,8 +76,7 @@ fn tables_take_the_error_off() {
     visit.edit("errors.csv", "x,100,10", "x,100,-10");
     let page = visit.yes("path job.toml part.nc --tables kit");
     let (first, _) = page.split_once("\n\n").unwrap();
-    assert!(first.contains("profile accuracy"), "{page}");
-    assert!(first.contains("\njob and tables DISAGREE:\n  - "), "{page}");
+    holds(first, &["profile accuracy", "\njob and tables DISAGREE:\n  - "]);
 }
 
 /// |e| from (0, 50, 0) to (100, 0, 0) is least inside; no component, tangent or normal takes a new value there.

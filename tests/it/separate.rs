@@ -144,7 +144,7 @@ fn straight_runs_with_a_zero_of_their_own_give_no_reversal() {
         let wanted = number(&known["squareness_um_per_m"][plane]);
         near(&own["squareness_um_per_m"][plane], wanted, 1e-6);
     }
-    labelled(&own, "their own start");
+    labelled(&own, &["their own start"]);
     visit.run("separate job.toml --trials 0 -v").ends(0).says("no E and B");
     // The page of the standards leaves these runs out, with a job and without one.
     for input in ["job.toml", "readings.csv"] {
@@ -171,8 +171,7 @@ fn straight_runs_with_two_linear_axes_know_all_scales_with_their_uncertainty() {
     // R/(2XY)·u(e_end), e_end of one run: √2·0.1 µm.
     let wanted = 1_358.969 / (2.0 * 0.648e6) * 1000.0 * ends;
     near(&page["u_squareness_um_per_m"]["xy"], wanted, 1e-4);
-    labelled(&page, "laser_ppm as stated");
-    labelled(&page, "the middle of the box");
+    labelled(&page, &["laser_ppm as stated", "the middle of the box"]);
 }
 
 #[test]
@@ -209,7 +208,7 @@ fn an_assumed_set_up_has_an_uncertainty_only_with_a_stated_tilt() {
     let stated = |lines| separated(&case_with("case_d_bidirectional", lines), 0);
     let page = stated("");
     assert!(page["errors"]["EXX"].get("u_um").is_none(), "{}", page["errors"]["EXX"]);
-    labelled(&page, "state `tilt_arcsec`");
+    labelled(&page, &["state `tilt_arcsec`"]);
     let page = stated("[measurement.uncertainty]\ntilt_arcsec = 10.0\n");
     // R/(2V)·√(1 − (V/R)²)·48.48 µrad = 27.4 µm/m over 0.9 m; noise adds 0.3 µm.
     near(&page["errors"]["EXX"]["u_um"][10], 24.69, 0.05);
@@ -275,7 +274,7 @@ fn the_uncertainty_of_a_linear_table_is_that_of_its_column() {
     visit.put("x.csv", "axis,position_mm,ex_um\nx,0,0\nx,450,9\nx,900,18\n");
     let page = visit.run("separate job.toml --trials 100 --format json").ends(0).json();
     assert!(page["errors"]["EXX"].get("u_um").is_none());
-    labelled(&page, "states no uncertainty");
+    labelled(&page, &["states no uncertainty"]);
     let figures = page["monte_carlo"]["figures"].to_string();
     assert!(!figures.contains("range EXX") && figures.contains("range EYY"), "{figures}");
 }
@@ -292,7 +291,7 @@ fn disagrees(replacements: &[(&str, &str)]) {
     assert!(number(&redundancy["probability"]) < 0.001, "{redundancy}");
     let words = redundancy["contradiction"].as_str().unwrap();
     assert!(words.contains("laser_sign") && words.contains("size of the box"));
-    labelled(&page, words);
+    labelled(&page, &[words]);
     let ran = visit.run("generate job.toml -o kit").ends(1).omits("verdict: pass");
     ran.says("note: linear axes and diagonals DISAGREE");
     let page = visit.run("verify job.toml --tables kit --format json").ends(1).json();
@@ -363,12 +362,11 @@ fn angles_of_a_job_are_taken_off_the_readings() {
     }
     assert_eq!(compared, 9 * 31, "the truth has nine curves of 31 points");
     lacks(&page["labels"].to_string(), &["without a measurement"]);
-    labelled(&page, "those of the lines through X 0, Y 0, Z 0 mm");
+    labelled(&page, &["those of the lines through X 0, Y 0, Z 0 mm"]);
     lacks(&page["labels"].to_string(), &["tool_offset_mm is not stated"]);
     let without = separated(&with_angles(&ALL, ""), 0);
-    labelled(&without, "those of the lines through X 450, Y 360, Z 360 mm");
-    labelled(&without, "up to 1.200 µm"); // 12 µrad on 100 mm
-    labelled(&without, "tool_offset_mm is not stated");
+    labelled(&without, &["those of the lines through X 450, Y 360, Z 360 mm", "up to 1.200 µm"]); // 12 µrad on 100 mm
+    labelled(&without, &["tool_offset_mm is not stated"]);
 }
 
 #[test]
@@ -392,12 +390,11 @@ fn the_uncertainty_of_measured_angles_counts() {
 #[test]
 fn angles_that_are_missing_are_named_with_what_they_do() {
     let page = separated(&with_angles(&ALL[..2], ""), 1);
-    labelled(&page, "counted as zero: ECX, ECY, ECZ");
-    labelled(&page, "state `angle_urad`");
+    labelled(&page, &["counted as zero: ECX, ECY, ECZ", "state `angle_urad`"]);
     let page = separated(&with_angles(&ALL[2..], ""), 1);
-    labelled(&page, "counted as zero: EAX, EBX, EAY, EBY, EAZ, EBZ");
+    labelled(&page, &["counted as zero: EAX, EBX, EAY, EBY, EAZ, EBZ"]);
     let page = separated(&golden_case("case_b_setup"), 0);
-    labelled(&page, "EAX, EBX, ECX, EAY, EBY, ECY, EAZ, EBZ, ECZ");
+    labelled(&page, &["EAX, EBX, ECX, EAY, EBY, ECY, EAZ, EBZ, ECZ"]);
 }
 
 #[test]
@@ -417,7 +414,7 @@ fn a_stated_bound_of_the_angles_widens_curves_and_squareness() {
     assert!(squareness(&without) < 1.0);
     assert!(2.0 * squareness(&with) > 5.0, "{}", squareness(&with));
     let words = "included in U: a straight part and a bow about the middle of the box, each within half of 10";
-    labelled(&with, words);
+    labelled(&with, &[words]);
 }
 
 #[test]

@@ -19,15 +19,10 @@ fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {
     (job, errors)
 }
 
-/// x' - x and y' - y of Klipper's calc_skew, written here once more, mm.
-fn klipper([xy, xz, yz]: [f64; 3], [_, y, z]: [f64; 3]) -> [f64; 2] {
-    [-y * xy - z * (xz - xy * yz), -z * yz]
-}
-
 /// How far the tool is off in X and Y on a machine that leans with its motors, mm.
-fn off(factors: [f64; 3], [xy, xz, yz]: [f64; 3], at: [f64; 3]) -> [f64; 2] {
-    let [dx, dy] = klipper(factors, at);
-    let [_, y, z] = at;
+fn off(skew: [f64; 3], [xy, xz, yz]: [f64; 3], [_, y, z]: [f64; 3]) -> [f64; 2] {
+    // x' - x and y' - y of Klipper's calc_skew, written here once more.
+    let (dx, dy) = (-y * skew[0] - z * (skew[1] - skew[0] * skew[2]), -z * skew[2]);
     [dx + (y + dy) * xy + z * xz, dy + z * yz]
 }
 

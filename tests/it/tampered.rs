@@ -264,37 +264,38 @@ fn an_assignment_that_a_kit_lacks_is_found_without_its_manifest() {
         let kit = Kit::without_manifest(control);
         kit.agrees();
         for file in files {
-            each_kind_of_line_is_missed(&kit, file);
+            let good = kit.0.read(&format!("kit/{file}"));
+            let lines: Vec<&str> = good.split_inclusive('\n').collect();
+            let mut kinds = Vec::new();
+            for (index, line) in lines.iter().enumerate() {
+                let code = line.trim();
+                let begins = |rest: &&str| rest.starts_with(|c: char| c.is_ascii_digit());
+                let number = code.strip_prefix('N').filter(begins);
+                let kind = match code.starts_with('$') {
+                    true => code.split('[').next(),
+                    false => number.and_then(|rest| rest.split(['Q', ' ']).next()),
+                };
+                let is_point = code.contains("Q0");
+                let seen = |kind: &&str| {
+                    kinds.iter().any(|(known, is_one)| known == kind || (is_point && *is_one))
+                };
+                let Some(kind) = kind.filter(|kind| !seen(kind)) else { continue };
+                kinds.push((kind, is_point));
+                let ran =
+                    kit.changed(file, |_| [&lines[..index], &lines[index + 1..]].concat().concat());
+                assert!(
+                    matches!(ran.status, Some(1 | 2)),
+                    "without `{code}` of {file}\n{}",
+                    ran.all()
+                );
+                let fields = ["IS_MODULO", "MULT_BY_TABLE", "DIRECTION"];
+                if let Some(field) = fields.iter().find(|field| kind.ends_with(*field)) {
+                    ran.says(&format!("no file writes {field} of "));
+                }
+            }
+            assert!(!kinds.is_empty(), "{file}");
         }
     }
-}
-
-fn each_kind_of_line_is_missed(kit: &Kit, file: &str) {
-    let good = kit.0.read(&format!("kit/{file}"));
-    let lines: Vec<&str> = good.split_inclusive('\n').collect();
-    let mut kinds = Vec::new();
-    for (index, line) in lines.iter().enumerate() {
-        let code = line.trim();
-        let begins = |rest: &&str| rest.starts_with(|c: char| c.is_ascii_digit());
-        let number = code.strip_prefix('N').filter(begins);
-        let kind = match code.starts_with('$') {
-            true => code.split('[').next(),
-            false => number.and_then(|rest| rest.split(['Q', ' ']).next()),
-        };
-        let is_point = code.contains("Q0");
-        let seen = |kind: &&str| {
-            kinds.iter().any(|(known, is_one)| known == kind || (is_point && *is_one))
-        };
-        let Some(kind) = kind.filter(|kind| !seen(kind)) else { continue };
-        kinds.push((kind, is_point));
-        let ran = kit.changed(file, |_| [&lines[..index], &lines[index + 1..]].concat().concat());
-        assert!(matches!(ran.status, Some(1 | 2)), "without `{code}` of {file}\n{}", ran.all());
-        let fields = ["IS_MODULO", "MULT_BY_TABLE", "DIRECTION"];
-        if let Some(field) = fields.iter().find(|field| kind.ends_with(*field)) {
-            ran.says(&format!("no file writes {field} of "));
-        }
-    }
-    assert!(!kinds.is_empty(), "{file}");
 }
 
 #[test]

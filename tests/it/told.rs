@@ -1,6 +1,6 @@
 //! What `generate` says beside its figures: assumptions that matter, preconditions as sentences, the verdict.
 
-use crate::support::{Ran, Visit, own_profile};
+use crate::support::{Ran, Visit, holds, own_profile};
 
 /// The job to start from with a control of one's choice, and what `generate` says of it.
 fn told(controller: &str, profile: Option<&str>) -> (Visit, Ran) {
@@ -31,18 +31,17 @@ fn preconditions_are_sentences_and_assumptions_without_effect_stand_apart() {
     let (_, ran) = told("fanuc-30i", None);
     let apart = "assumed too, without effect on this kit:";
     let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
-    assert!(used.contains("pitch_sign = as_correction\n      if wrong: "));
-    assert!(used.contains("straightness_magnification_parameter"), "a 30i kit uses it");
+    let magnification = "straightness_magnification_parameter"; // a 30i kit uses it
+    holds(used, &["pitch_sign = as_correction\n      if wrong: ", magnification]);
     let line = "  straightness_amount_max = 32767: this kit holds no four-point straightness\n";
-    assert!(idle.contains(line), "{idle}");
-    assert!(idle.contains("interval_decimals_inch = 4: this kit is in mm"), "{idle}");
+    holds(idle, &[line, "interval_decimals_inch = 4: this kit is in mm"]);
     ran.says("\n  1240 of axis 1, 2, 3 must be 0 mm:\n")
         .says("the power of the control must be switched off and on after loading 3620 to 3627:")
         .says("checklist.html, why: docs/fanuc.md §1.2");
     let (_, ran) = told("fanuc-0i-f", None);
     let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
-    assert!(used.contains("straightness_amount_max"), "a 0i-F kit uses it");
-    assert!(idle.contains("straightness_magnification_parameter"), "{idle}");
+    holds(used, &["straightness_amount_max"]); // a 0i-F kit uses it
+    holds(idle, &[magnification]);
 }
 
 #[test]

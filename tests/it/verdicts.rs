@@ -183,12 +183,6 @@ fn the_verdict_names_what_no_figure_holds() {
     verdict(&visit, GENERATE, "undecided", &["`active_while_measuring` is not stated"]);
 }
 
-/// The policies that the advice offers, and what each would leave.
-fn offered(said: &str) -> Vec<(&str, &str)> {
-    let lines = said.lines().filter_map(|line| line.trim().strip_prefix("`backlash = "));
-    lines.filter_map(|line| line.split_once("` would leave ")).collect()
-}
-
 /// `at most 1.234 µm` of what a page leaves; on half of the digit shown it may be `off_um`, as documents have 10⁻⁶ µm.
 fn left_on(page: &Value, job: &str, off_um: f64) -> String {
     let left = |rows: &str| {
@@ -208,7 +202,9 @@ fn left_on(page: &Value, job: &str, off_um: f64) -> String {
 fn offers_hold(visit: &Visit, job: &str, own: &str, least: usize) -> Vec<String> {
     visit.put("job.toml", job);
     let said = verdict(visit, "generate job.toml -o own", "", &[]);
-    let offers = offered(&said);
+    // The policies that the advice offers, and what each would leave.
+    let lines = said.lines().filter_map(|line| line.trim().strip_prefix("`backlash = "));
+    let offers: Vec<_> = lines.filter_map(|line| line.split_once("` would leave ")).collect();
     assert!(offers.len() >= least, "{} offered\n{said}", offers.len());
     let policy = |policy: &str| format!("backlash = {policy}\n");
     assert!(job.contains(&policy(own)));

@@ -67,6 +67,6 @@ fn pieces_add_up_to_a_long_table() {
 fn more_curves_than_hal_holds_are_refused() {
     let (job, errors) = long(1.0);
     let said = kit::generate(&support::inputs(&job, &errors)).expect_err("402 curves").render();
-    assert!(said.contains("402 curves of 16 points, more than the 128"), "{said}");
-    assert!(said.contains("use a larger spacing"), "{said}");
+    let words = ["402 curves of 16 points, more than the 128", "use a larger spacing"];
+    support::holds(&said, &words);
 }

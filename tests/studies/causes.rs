@@ -162,13 +162,6 @@ fn table(
     })
 }
 
-fn control(rig: &Rig, fault: Fault) -> Box<dyn Emulator> {
-    let mut state = rig.kit.compiled.state.clone();
-    state.axes.iter_mut().for_each(|axis| axis.backlash_um = (fault.backlash_um)(axis.backlash_um));
-    let profile = &rig.inputs.profile;
-    kit::emulator(profile, &loaded(profile, &rig.kit), &state).unwrap_or_else(|e| panic!("{}", e.0))
-}
-
 /// What the tables add to a term, and what is added beside them.
 fn parts(rig: &Rig, control: &dyn Emulator, term: ErrorTerm, way: Direction, x: f64) -> (f64, f64) {
     let (base, output) = axis_pairs(&rig.kit.plan.names, term)[0];
@@ -203,7 +196,11 @@ fn acts(
 
 /// The second measurement with a fault; the name of its file.
 fn measure_again(rig: &Rig, fault: Fault, random: &mut Random) -> &'static str {
-    let control = control(rig, fault);
+    let mut state = rig.kit.compiled.state.clone();
+    state.axes.iter_mut().for_each(|axis| axis.backlash_um = (fault.backlash_um)(axis.backlash_um));
+    let profile = &rig.inputs.profile;
+    let control = kit::emulator(profile, &loaded(profile, &rig.kit), &state);
+    let control = control.unwrap_or_else(|e| panic!("{}", e.0));
     let left = |term, way, x, um| um + acts(rig, control.as_ref(), fault, term, way, x);
     if rig.plan.by_diagonals {
         let mut machine = rig.truth.clone();

@@ -156,16 +156,6 @@ pub(super) fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
     }
 }
 
-/// Kolmogorov's distance of values from the uniform distribution on 0 … 1.
-fn distance_from_uniform(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let count = float(values.len());
-    let far = |(index, value): (usize, &f64)| {
-        (value - float(index) / count).abs().max((float(index + 1) / count - value).abs())
-    };
-    values.iter().enumerate().map(far).fold(0.0, f64::max)
-}
-
 fn check(way: Way<'_>) {
     let source = if way.repeats > 1 { NoiseSource::Repeats } else { NoiseSource::Closure };
     let mut tally = Tally::default();
@@ -187,7 +177,13 @@ fn check(way: Way<'_>) {
         3 => assert!(is_held(share, machines(), 0.001..=0.001, 0.0..=0.004), "{share}"),
         _ => assert_eq!(refuted, 0),
     }
-    let distance = distance_from_uniform(chances);
+    // Kolmogorov's distance from the uniform distribution on 0 … 1.
+    chances.sort_by(f64::total_cmp);
+    let count = float(chances.len());
+    let far = |(index, chance): (usize, &f64)| {
+        (chance - float(index) / count).abs().max((float(index + 1) / count - chance).abs())
+    };
+    let distance = chances.iter().enumerate().map(far).fold(0.0, f64::max);
     println!("{way:?}; p-values {distance:.3} from uniform");
     tally.judge(&format!("{way:?}"));
     // The errors of the nine terms hardly depend on each other.

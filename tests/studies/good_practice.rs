@@ -6,7 +6,7 @@ use super::coverage_bounds::{Angle, Rigid, Shape, uniform, unit};
 use crate::support::diagonals::{Machine, Readings, box_of, dot, float, normal, own, seeded};
 use crate::support::{in_parallel, is_whole, published_if_whole, share, short_or};
 use chacha20::ChaCha8Rng;
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 use nonius::cli::answer;
 use nonius::quantity::{Axis, Diagonal, Direction, ErrorTerm, PerAxis, PerDiagonal, Rotation};
 use nonius::visit::files::Memory;
@@ -235,14 +235,6 @@ fn vector(machine: &Machine) -> DVector<f64> {
     all
 }
 
-fn machine_of(all: DVectorView<'_, f64>) -> Machine {
-    let mut machine = Machine::perfect(&box_of(STEPS));
-    for term in ErrorTerm::ALL {
-        (1..=STEPS).for_each(|node| machine.curves[term][node] = all[place(term, node)]);
-    }
-    machine
-}
-
 /// The dense estimator of a row, and what was drawn of its errors, a column each.
 struct Dense {
     /// Readings and slopes → nine errors in the X-primary frame.
@@ -280,7 +272,13 @@ impl Dense {
         let equations = &weighted * &design + DMatrix::identity(columns, columns) * 1e-7;
         let solve = equations.cholesky().unwrap().solve(&weighted);
         let rest = DMatrix::identity(rows, rows) - &design * &solve;
-        let gain = solve.column_iter().map(|errors| vector(&machine_of(errors).x_primary()));
+        let gain = solve.column_iter().map(|errors| {
+            let mut machine = Machine::perfect(&box_of(STEPS));
+            for term in ErrorTerm::ALL {
+                (1..=STEPS).for_each(|node| machine.curves[term][node] = errors[place(term, node)]);
+            }
+            vector(&machine.x_primary())
+        });
         let gain = DMatrix::from_columns(&gain.collect::<Vec<_>>());
         let mut random = seeded(SEED);
         let mut drawn = |of: &mut dyn FnMut(&mut ChaCha8Rng) -> DVector<f64>| {

@@ -32,25 +32,16 @@ fn forward(machine: &Machine) -> Vec<Run> {
     runs(1, Pass::Forward, &machine.readings(None))
 }
 
-fn any_volume() -> impl Strategy<Value = Volume> {
+fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
     let edge = || 200.0..2000.0f64;
     let corner = || -1000.0..1000.0f64;
     let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let orders = prop::sample::select(orders.to_vec());
-    ((edge(), edge(), edge()), (corner(), corner(), corner()), orders, 2usize..24).prop_map(
-        |(size, start, order, steps)| Volume {
-            start: mm(start.0, start.1, start.2),
-            size: mm(size.0, size.1, size.2),
-            steps,
-            order: order.map(|index| Axis::ALL[index]),
-        },
-    )
-}
-
-fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
-    (any_volume(), any::<u64>()).prop_map(|(volume, seed)| {
-        let mut random = seeded(seed);
-        (Machine::random(&volume, &mut random), seed)
+    let volume = ((edge(), edge(), edge()), (corner(), corner(), corner()), orders, 2usize..24);
+    (volume, any::<u64>()).prop_map(|((size, start, order, steps), seed)| {
+        let (start, size) = (mm(start.0, start.1, start.2), mm(size.0, size.1, size.2));
+        let volume = Volume { start, size, steps, order: order.map(|index| Axis::ALL[index]) };
+        (Machine::random(&volume, &mut seeded(seed)), seed)
     })
 }
 

@@ -360,8 +360,8 @@ pub(crate) fn with_cells(text: &str, mut change: impl FnMut(&mut [String]) -> bo
 
 /// Words among the `labels` of a document.
 #[track_caller]
-pub(crate) fn labelled(document: &Value, words: &str) {
-    holds(&document["labels"].to_string(), &[words]);
+pub(crate) fn labelled(document: &Value, words: &[&str]) {
+    holds(&document["labels"].to_string(), words);
 }
 
 /// A profile of one's own, built on another one, with more of its keys.

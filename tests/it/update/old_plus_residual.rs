@@ -62,8 +62,7 @@ impl Case {
         match self.controller.split('-').next() {
             Some("fanuc") => 0.5,
             Some("siemens") => 0.000_5,
-            // Old and new trim of a joint are C floats.
-            Some("linuxcnc") => 0.000_5 + 2e-6,
+            Some("linuxcnc") => 0.000_5 + 2e-6, // old and new trim of a joint are C floats
             _ => 1e-6,
         }
     }

@@ -43,23 +43,17 @@ impl Case<'_> {
                 } else if facts.straightness_form.value == StraightnessForm::FourPoint {
                     unit
                 } else {
-                    let set = self.set_of(memory, term, output);
-                    unit * integer(memory, 13381 + set, None)
+                    let moving: u32 = self.machine.axis(term.along).names[0].parse().unwrap();
+                    let is = |number, axis: u32| {
+                        let axis = ParameterValue::Integer(i64::from(axis));
+                        memory.parameter(number, None) == Some(axis)
+                    };
+                    let set = (0..6).find(|set| is(5711 + set, moving) && is(5721 + set, output));
+                    unit * integer(memory, 13381 + set.unwrap(), None)
                 }
             }
             _ => self.machine.axis(term.of).unit_um.unwrap_or(0.0),
         }
-    }
-
-    /// Index from 0 of the straightness set of a term and an output.
-    fn set_of(&self, memory: &FanucMemory, term: ErrorTerm, output: u32) -> u32 {
-        let moving: u32 = self.machine.axis(term.along).names[0].parse().unwrap();
-        let is = |number, axis: u32| {
-            memory.parameter(number, None) == Some(ParameterValue::Integer(i64::from(axis)))
-        };
-        let mut sets = 0..6;
-        let own = sets.find(|set| is(5711 + set, moving) && is(5721 + set, output));
-        own.unwrap_or_else(|| panic!("no set for {term} on {output}"))
     }
 
     pub(crate) fn is_compensated(&self, term: ErrorTerm) -> bool {
@@ -138,7 +132,12 @@ impl Case<'_> {
     /// Largest distance of what a control puts out from the straight line between its nodes.
     pub(crate) fn jump_um(&self, term: &Term, held: &Held, x: f64) -> f64 {
         let Dialect::Fanuc(facts) = &self.profile.dialect else { return 0.0 };
-        let half_step = held.increment_at(x) / 2.0;
+        // Half of the largest change in the section (or the two sections) at `x`.
+        let place = (x - held.mm[0]) / held.step();
+        let is_at = |node: &usize| (*node as f64 - 0.5 - place).abs() < 0.5 + 1e-6;
+        let own = (1..held.mm.len()).filter(is_at);
+        let half_step =
+            own.map(|node| (held.um[node] - held.um[node - 1]).abs() / 2.0).fold(0.0, f64::max);
         let pulses = self.machine.axis(term.term.along).interpolated
             && (term.term.is_positioning()
                 || facts.straightness_form.value == StraightnessForm::FourPoint);
@@ -169,14 +168,6 @@ impl Held {
     pub(crate) fn node_at(&self, x: f64) -> usize {
         let off = |node: &usize| (self.mm[*node] - x).abs();
         (0..self.mm.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
-    }
-
-    /// Largest change in the section (or the two sections) at `x`.
-    pub(crate) fn increment_at(&self, x: f64) -> f64 {
-        let place = (x - self.mm[0]) / self.step();
-        let is_at = |node: &usize| (*node as f64 - 0.5 - place).abs() < 0.5 + 1e-6;
-        let own = (1..self.mm.len()).filter(is_at);
-        own.map(|node| (self.um[node] - self.um[node - 1]).abs()).fold(0.0, f64::max)
     }
 }
 

@@ -186,16 +186,20 @@ pub(crate) fn path(machine: &Machine, places: usize, unit_mm: f64) -> String {
 }
 
 /// The largest difference, µm, of the table of a joint from the emulator while it moves, and of what all the others
-/// add to it from theirs at any time. The joint's own ramps after a reversal are short.
+/// add to it from theirs at any time. What is added is what the table says but for the ramp after a reversal, which is short
+/// and leaves at most half of acceleration × cycle² (docs/linuxcnc.md §2).
 fn off_emulator(cycles: &[Cycle], joint: usize, control: &dyn Emulator) -> f64 {
     let of = |base: usize, way| response(control, &base.to_string(), &joint.to_string(), way);
     let own = [Direction::Plus, Direction::Minus].map(|way| of(joint, way));
     let others = (0..3).filter(|base| *base != joint);
     let others: Vec<(usize, Response)> =
         others.map(|base| (base, of(base, Direction::Plus))).collect();
-    let mut largest = 0.0_f64;
+    let step_um = 0.5 * ACCELERATION_MM * CYCLE_S * CYCLE_S * 1000.0;
+    let (mut largest, mut ramp) = (0.0_f64, 0);
     for cycle in cycles {
         let now = cycle[joint];
+        ramp = if now.ramp_um() > step_um + 0.1 { ramp + 1 } else { 0 };
+        assert!(ramp < 100, "a ramp does not end at {now:?}");
         if now.speed != 0.0 {
             let way = &own[usize::from(now.speed < 0.0)];
             largest = largest.max((now.table * 1000.0 - um_at(way, now.command)).abs());
@@ -203,21 +207,7 @@ fn off_emulator(cycles: &[Cycle], joint: usize, control: &dyn Emulator) -> f64 {
         let sum: f64 = others.iter().map(|(base, of)| um_at(of, cycle[*base].command)).sum();
         largest = largest.max((now.by_others_um() - sum).abs());
     }
-    ramps_are_short(cycles, joint);
     largest
-}
-
-/// What is added is what the table says but for the ramp after a reversal, which leaves at most half of
-/// acceleration × cycle² (docs/linuxcnc.md §2).
-fn ramps_are_short(cycles: &[Cycle], joint: usize) {
-    let step_um = 0.5 * ACCELERATION_MM * CYCLE_S * CYCLE_S * 1000.0;
-    let mut ramp = 0;
-    for cycle in cycles {
-        let now = cycle[joint];
-        let is_off = now.ramp_um() > step_um + 0.1;
-        ramp = if is_off { ramp + 1 } else { 0 };
-        assert!(ramp < 100, "a ramp does not end at {now:?}");
-    }
 }
 
 /// The largest positioning error without and with the table of a joint, µm: where all stand, and where it moves after its

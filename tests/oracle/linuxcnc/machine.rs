@@ -90,7 +90,10 @@ pub(crate) fn stands(run: &[Cycle]) -> Vec<Stand> {
                 *up = joint.speed > 0.0;
             }
         }
-        let goes_on = run.get(number + 1).is_some_and(|next| is_unchanged(cycle, next));
+        let is_same = |(now, next): (&Joint, &Joint)| (next.drive - now.drive).abs() < 1e-9;
+        let goes_on = run.get(number + 1).is_some_and(|next| {
+            next.iter().all(|joint| joint.speed == 0.0) && cycle.iter().zip(next).all(is_same)
+        });
         moved |= cycle.iter().any(|joint| joint.speed != 0.0);
         // A dwell lasts its seconds, and on a busy computer the control makes fewer cycles in them than it should.
         if moved && still >= 20 && !goes_on {
@@ -104,9 +107,4 @@ pub(crate) fn stands(run: &[Cycle]) -> Vec<Stand> {
         still = if goes_on { still + 1 } else { 0 };
     }
     found
-}
-
-fn is_unchanged(now: &Cycle, next: &Cycle) -> bool {
-    let is_same = |(now, next): (&Joint, &Joint)| (next.drive - now.drive).abs() < 1e-9;
-    next.iter().all(|joint| joint.speed == 0.0) && now.iter().zip(next).all(is_same)
 }
