@@ -210,7 +210,7 @@ fn a_beam_over_a_part_of_the_travel_is_freed_of_the_shapes() {
 }
 
 #[test]
-fn what_rests_on_an_unknown_uncertainty_has_none() {
+fn what_rests_on_an_unknown_uncertainty_has_none_and_squareness_has_one() {
     // Three lines: X takes part in all scales.
     let (_, found) = found_with(8, &Axis::ALL, |lines| lines[0].u_um_per_m = None);
     for name in ["EXX", "EYY", "EZZ", "EXY", "EXZ", "EYZ"] {
@@ -226,10 +226,6 @@ fn what_rests_on_an_unknown_uncertainty_has_none() {
     // Without redundancy.
     assert_eq!(found.agreement, None);
     labelled(&found, &["nothing checks the linear axes"]);
-}
-
-#[test]
-fn squareness_has_one_uncertainty() {
     let (truth, all) = measured(9, SIGMA_UM);
     for setup in [SetUp::Solve, SetUp::AssumePerfect] {
         let measurement = measurement(&truth.volume, setup, Frame::XPrimary);

@@ -68,7 +68,7 @@ fn by_component(min: [f64; 9], max: [f64; 9]) -> ByComponent {
 
 /// Paper 000, example 1 (mm): printed figures beside those that its own rows give.
 #[test]
-fn example_1_of_paper_000() {
+fn examples_of_paper_000() {
     let max = [
         0.013_632, 0.007_299, 0.008_677, 0.036_034, 0.002_505, 0.002_594, 0.004_117, 0.014_923,
         0.001_638,
@@ -86,11 +86,7 @@ fn example_1_of_paper_000() {
     near("proposed", proposed, 0.109_176, 5e-7);
     near("existing", existing, 0.077_857, 2e-6);
     near("ratio", proposed / existing, 1.402_233_909, 1e-8);
-}
-
-/// Paper 000, example 2 (inch): three minima are printed without their minus signs.
-#[test]
-fn example_2_of_paper_000() {
+    // Example 2 (inch): three minima are printed without their minus signs.
     let max =
         [0.000_484, 0.000_316, 0.000_039, -6e-7, 2.2e-6, 0.000_201, 0.000_179, 6.2e-6, 0.000_056];
     let printed =

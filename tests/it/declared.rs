@@ -79,17 +79,6 @@ fn values_may_count_the_detection_unit() {
 }
 
 #[test]
-fn a_name_of_a_file_is_taken_letter_by_letter() {
-    let visit = Visit::with_job("machines/five_points/fagor-8065.toml").with_any_kit();
-    let whole = r"['(?i)(?:draft-(?:sign-)?)?(?<axis>[A-Z][0-9]?[0-9]?)\.mp']";
-    visit.put("p.toml", replaced(&page("controllers/fagor-8065.toml"), whole, "['(?<axis>.).*']"));
-    visit.edit("job.toml", "\"fagor-8065\"", "\"./p.toml\"");
-    let table = std::fs::read(visit.at("kit/draft-X.mp")).unwrap();
-    visit.put("out/äX.mp", table);
-    visit.run("verify job.toml --tables out").ends(1).says("the table of ä belongs to axes that");
-}
-
-#[test]
 fn a_second_measurement_builds_on_what_was_active() {
     let (visit, old) = with_kit();
     visit.put("active/READ.TXT", &old);
@@ -173,7 +162,7 @@ fn a_profile_adds_steps_to_the_checklist_of_its_base() {
 
 /// The real file holds all parameters of an axis; what a person may have done to it is refused.
 #[test]
-fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
+fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it_and_its_name_letter_by_letter() {
     let visit = Visit::with_job("machines/five_points/fagor-8065.toml").with_any_kit();
     let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     let whole = |axis: &str| {
@@ -207,4 +196,10 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
         visit.put("out/X.mp", utf16(&replaced(&x, right, wrong)));
         visit.run(verify).ends(2).says(says);
     }
+    let whole = r"['(?i)(?:draft-(?:sign-)?)?(?<axis>[A-Z][0-9]?[0-9]?)\.mp']";
+    visit.put("p.toml", replaced(&page("controllers/fagor-8065.toml"), whole, "['(?<axis>.).*']"));
+    visit.edit("job.toml", "\"fagor-8065\"", "\"./p.toml\"");
+    let table = std::fs::read(visit.at("kit/draft-X.mp")).unwrap();
+    visit.put("other/äX.mp", table);
+    visit.run("verify job.toml --tables other").ends(1).says("the table of ä belongs to axes that");
 }

@@ -115,26 +115,13 @@ fn every_format_becomes_the_table_that_was_checked() {
 
 /// Target 1 is 100 in the file, 50 on the machine; the axis went up while the file counted down: deviations are turned.
 #[test]
-fn mapped_targets_begin_with_the_first_row_of_the_file() {
+fn mapped_targets_begin_with_the_first_row_and_a_straightness_keeps_its_sense() {
     let stated = Stated {
         first_target_at_mm: Some(50.0),
         targets_run: Some(Direction::Plus),
         ..mapped("AXn [mm]=target_mm,Delta [mm]=ex_mm", Axis::X)
     };
     becomes("status.csv", STATUS_PRO, &stated, "axis,position_mm,ex_um\nx,50,2.1\nx,150,-0.5");
-}
-
-#[test]
-fn mapped_runs_are_averaged() {
-    let text = "p,e,r,d\n0,1,1,+\n10,5,1,+\n10,7,2,+\n0,3,2,+\n0,-1,1,-\n10,0.5,1,-\n";
-    let columns = mapped("p=position_mm,e=ey_um,r=run,d=direction", Axis::Z);
-    let expected = "axis,direction,position_mm,ey_um,u_ey_um\n\
-        z,+,0,2,1\nz,+,10,6,1\nz,-,0,-1,\nz,-,10,0.5,";
-    becomes("runs.csv", text, &Stated { travel: None, ..columns }, expected);
-}
-
-#[test]
-fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
     let stated = Stated {
         first_target_at_mm: Some(0.0),
         targets_run: Some(Direction::Minus),
@@ -144,6 +131,19 @@ fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
     let text = becomes("s.csv", "t;e;s;u\n0;1;2;0.2\n100;3;4;0.4\n", &stated, expected);
     let sense: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# sense: ")).collect();
     assert_eq!(sense, ["the file counts its targets against the axis, so EXX is turned as well"]);
+}
+
+#[test]
+fn mapped_runs_are_averaged_angles_without_an_uncertainty() {
+    let text = "p,e,r,d\n0,1,1,+\n10,5,1,+\n10,7,2,+\n0,3,2,+\n0,-1,1,-\n10,0.5,1,-\n";
+    let columns = mapped("p=position_mm,e=ey_um,r=run,d=direction", Axis::Z);
+    let expected = "axis,direction,position_mm,ey_um,u_ey_um\n\
+        z,+,0,2,1\nz,+,10,6,1\nz,-,0,-1,\nz,-,10,0.5,";
+    becomes("runs.csv", text, &Stated { travel: None, ..columns }, expected);
+    let stated = mapped("t=position_mm,a=ea_urad,run=run", Axis::X);
+    let expected = "axis,position_mm,ea_urad\nx,0,1.25\nx,9,2.25";
+    let text = becomes("a.csv", "t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n", &stated, expected);
+    assert!(text.contains("their mean, no u is written for angles"), "{text}");
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn turned_targets_keep_the_reversal_of_the_machine() {
 }
 
 #[test]
-fn a_comma_is_read_as_decimal_where_it_shows_or_is_stated() {
+fn a_comma_is_read_as_decimal_where_it_shows_or_is_stated_and_columns_are_found_by_number() {
     let comma = Some(Decimal::Comma);
     let expected = "axis,position_mm,ex_um\nx,1,2\nx,1.5,3.25";
     for (text, decimal) in [
@@ -312,23 +312,11 @@ fn a_comma_is_read_as_decimal_where_it_shows_or_is_stated() {
     // A leading zero stands before decimals, never before thousands.
     let expected = "axis,position_mm,ex_um\nx,0,0.125\nx,5,1";
     becomes("x.csv", "Pos;Dev\n0;0,125\n5;1,000\n", &two_columns(None), expected);
-}
-
-#[test]
-fn columns_are_found_by_number_and_in_any_text() {
     let numbered = mapped("Pos=position_mm,#3=ex_um", Axis::X);
     let expected = "axis,position_mm,ex_um\nx,0,11\nx,5,12";
     becomes("x.csv", "Pos;Dev;Dev\n0;1;11\n5;2;12\n", &numbered, expected);
     let expected = "axis,position_mm,ex_um\nx,0,1\nx,5,2";
     becomes("x.pos", "Pos;Dev\n0;1\n5;2\n", &two_columns(None), expected);
-}
-
-#[test]
-fn angles_over_several_runs_state_no_uncertainty() {
-    let stated = mapped("t=position_mm,a=ea_urad,run=run", Axis::X);
-    let expected = "axis,position_mm,ea_urad\nx,0,1.25\nx,9,2.25";
-    let text = becomes("a.csv", "t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n", &stated, expected);
-    assert!(text.contains("their mean, no u is written for angles"), "{text}");
 }
 
 #[test]

@@ -22,7 +22,7 @@ fn kit(measurement: &str, compensation: &str) -> Visit {
 
 /// A table has up to 256 rows (fixtures/cases/refuses/controls.txt).
 #[test]
-fn a_table_is_minus_the_deviation_and_cross_terms_are_told() {
+fn tables_are_minus_the_deviation_and_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
     let most = visit(NONE, TWO);
     most.edit("job.toml", "axes.x = { spacing_mm = 50", "axes.x = { points = 256");
     most.yes("generate job.toml -o kit");
@@ -35,26 +35,6 @@ fn a_table_is_minus_the_deviation_and_cross_terms_are_told() {
     let left = &manifest["forecast"]["terms"]["EYX"];
     assert_eq!(left["before_um"], left["after_um"], "nothing corrects it");
     visit.yes("verify job.toml --tables kit");
-}
-
-/// A COMP_FILE switches BACKLASH off: the reversal that a policy leaves to it stands in the columns, and so do 10 µm
-/// that acted while measuring, which make 14 µm. With the mean the reversal comes back, and the forecast says so.
-#[test]
-fn what_backlash_does_is_taken_over() {
-    let visit = kit(NONE, "backlash = { x = \"curve-and-parameter\" }");
-    assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
-    holds(&visit.read("kit/checklist.md"), &["BACKLASH of [JOINT_0]"]);
-    let acted = NONE.replace("x = 0.0", "x = 10.0");
-    let rows = "0.000000 0.000000 -0.014000\n50.000000 -0.006000 -0.020000\n100.000000 -0.016000 -0.030000\n";
-    assert_eq!(kit(&acted, TWO).read("kit/joint-0.comp"), rows);
-    let mean = kit(&acted, "backlash = { x = \"mean\" }").document("kit/manifest.json");
-    let after = number(&mean["forecast"]["terms"]["EXX"]["after_um"]);
-    assert!((after - 14.0).abs() < 1e-3, "{after}");
-}
-
-#[test]
-fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
-    let visit = kit(NONE, TWO);
     let lines = visit.read("kit/joints.ini");
     let joint = |n: u32| {
         let section = format!("[JOINT_{n}]\n");
@@ -88,6 +68,21 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
         println!("{name}: {to}");
         visit.run_with(&format!("out/{name}"), from, to, verify).ends(status).says(words);
     }
+}
+
+/// A COMP_FILE switches BACKLASH off: the reversal that a policy leaves to it stands in the columns, and so do 10 µm
+/// that acted while measuring, which make 14 µm. With the mean the reversal comes back, and the forecast says so.
+#[test]
+fn what_backlash_does_is_taken_over() {
+    let visit = kit(NONE, "backlash = { x = \"curve-and-parameter\" }");
+    assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
+    holds(&visit.read("kit/checklist.md"), &["BACKLASH of [JOINT_0]"]);
+    let acted = NONE.replace("x = 0.0", "x = 10.0");
+    let rows = "0.000000 0.000000 -0.014000\n50.000000 -0.006000 -0.020000\n100.000000 -0.016000 -0.030000\n";
+    assert_eq!(kit(&acted, TWO).read("kit/joint-0.comp"), rows);
+    let mean = kit(&acted, "backlash = { x = \"mean\" }").document("kit/manifest.json");
+    let after = number(&mean["forecast"]["terms"]["EXX"]["after_um"]);
+    assert!((after - 14.0).abs() < 1e-3, "{after}");
 }
 
 #[test]

@@ -204,22 +204,18 @@ fn readings_and_levers_count_from_one_place() {
 }
 
 #[test]
-fn too_many_own_nodes_are_refused() {
+fn one_grid_for_before_and_after_with_at_most_so_many_nodes() {
+    let errors = along_x("x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n");
+    let coarse = visit("", &replaced(&control("generic", ""), "90.0", "250.0"), &errors);
+    let found = coarse.json("assess job.toml --with-tables --histogram 5 --window 300,900,900");
+    assert_eq!(found["grid"], found["after"]["grid"]);
+    assert_eq!(found["histogram"]["pairs"], found["after"]["histogram"]["pairs"]);
+    assert_eq!(found["windows"]["count"], 3);
     let row = |axis, node| format!("{axis},{},{},0,0\n", f64::from(node) * 1.9, node % 7);
     let rows = ["x", "y", "z"].map(|axis| (0..465).map(|node| row(axis, node)).collect::<String>());
     let errors = format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat());
     let visit = visit("", "controller = \"generic\"", &errors);
     visit.run("assess job.toml").ends(2).says("465 x 465 x 465, more than 100000000");
-}
-
-#[test]
-fn one_grid_for_before_and_after() {
-    let errors = along_x("x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n");
-    let visit = visit("", &replaced(&control("generic", ""), "90.0", "250.0"), &errors);
-    let found = visit.json("assess job.toml --with-tables --histogram 5 --window 300,900,900");
-    assert_eq!(found["grid"], found["after"]["grid"]);
-    assert_eq!(found["histogram"]["pairs"], found["after"]["histogram"]["pairs"]);
-    assert_eq!(found["windows"]["count"], 3);
 }
 
 /// Its lever is added there, so a finer grid finds nothing new.

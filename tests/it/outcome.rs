@@ -158,19 +158,13 @@ fn what_a_killed_run_left_is_named_and_removed_by_the_next_but_not_what_is_at_wo
 /// `nohup`, and a shell's `&`.
 #[cfg(target_os = "linux")]
 #[test]
-fn signals_that_the_run_was_started_to_ignore_stay_ignored() {
+fn signals_that_the_run_was_started_to_ignore_stay_ignored_and_no_lock_is_waited_for() {
     let visit = start();
     long_program(&visit, 2_000);
     for name in ["HUP", "INT"] {
         assert_eq!(ended_by(started(&visit, &format!("trap '' {name};")), name), Some(0));
         std::fs::remove_file(visit.at("points.csv")).expect("written");
     }
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_lock_on_the_folder_is_not_waited_for() {
-    let visit = start();
     let folder = File::open(visit.folder()).expect("the folder");
     folder.lock().expect("its lock");
     visit.yes("generate job.toml -o kit");

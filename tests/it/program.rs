@@ -121,7 +121,7 @@ fn programs_and_positions_are_those_that_were_checked() {
 }
 
 #[test]
-fn what_is_not_stated_has_its_default() {
+fn what_is_not_stated_has_its_default_and_protected_numbers_are_noted() {
     let asked = |keys: &str| Case::small("generic", keys).read().program.unwrap();
     let steps = asked(STEP);
     assert_eq!((steps.feed_mm_per_min, steps.dwell_s), (1000.0, 3.0));
@@ -134,6 +134,11 @@ fn what_is_not_stated_has_its_default() {
     assert_eq!(forward.volume.steps, 3);
     let turning = asked(&format!("{STEP}\noverrun_mm = 0"));
     assert_eq!((turning.overrun.mm(), turning.preload.mm()), (0.0, 2.0));
+    let is_noted = |number: u32| {
+        let notes = fanuc(&format!("number = {number}")).kit().run.notes;
+        notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
+    };
+    assert_eq!([7996, 7997, 9001].map(is_noted), [false, true, true]);
 }
 
 /// Golden: step·√(1 − (V/R)²) of reference step-diagonal §1.1 for 900×720×720, n = 30.
@@ -296,15 +301,6 @@ fn a_dwell_is_read_by_the_address_of_the_profile() {
     let program = text(&kit, "O1001.NC");
     assert!(program.contains("N1 G04 X3.0\n") && program.contains("G91 G01 W55.000"), "{program}");
     assert!(program.ends_with("\nG90 G64\nM30\n%\n"), "{program}");
-}
-
-#[test]
-fn numbers_that_may_be_protected_are_noted() {
-    let is_noted = |number: u32| {
-        let notes = fanuc(&format!("number = {number}")).kit().run.notes;
-        notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
-    };
-    assert_eq!([7996, 7997, 9001].map(is_noted), [false, true, true]);
 }
 
 #[test]

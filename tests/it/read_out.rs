@@ -113,14 +113,6 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
 }
 
 #[test]
-fn a_table_that_multiplies_is_not_emulated_and_judged_all_the_same() {
-    let cnc = siemens("mean");
-    let by = |number: &str| format!("$AN_CEC_MULT_BY_TABLE[0]={number}");
-    cnc.judge("fail", &[("all.txt", &replaced(&cnc.archive(""), &by("0"), &by("2")))])
-        .says("is multiplied by $AN_CEC[1], which no file holds");
-}
-
-#[test]
 fn what_stands_around_siemens_tables_is_judged() {
     siemens("mean").each(
         r"
@@ -237,7 +229,7 @@ fn what_stands_around_fanuc_points_is_judged() {
 }
 
 #[test]
-fn switches_are_named_by_what_they_do_now() {
+fn what_switches_and_products_do_now_is_named_and_no_encoding_stops_the_reading() {
     let cnc = siemens("mean");
     let archive = cnc.archive("");
     let off = "$MA_ENC_COMP_ENABLE[0,AX1]=0\nM30\n";
@@ -249,10 +241,21 @@ fn switches_are_named_by_what_they_do_now() {
         .omits("the way back");
     let of_others = cnc.archive(&cec_9("AX7", "AX2", ""));
     cnc.judge("pass", &[("a.txt", &of_others), ("b.txt", "$SN_CEC_TABLE_ENABLE[9]=0\nM30\n")]);
+    // A table that multiplies is not emulated, and judged all the same.
+    let by = |number: &str| format!("$AN_CEC_MULT_BY_TABLE[0]={number}");
+    cnc.judge("fail", &[("all.txt", &replaced(&archive, &by("0"), &by("2")))])
+        .says("is multiplied by $AN_CEC[1], which no file holds");
+    // Comments and messages of a control may be in one byte for each character.
+    let text = cnc.archive("CHANDATA(1) ;~berwachung");
+    let bytes: Vec<u8> = text.bytes().map(|b| if b == b'~' { 0xDC } else { b }).collect();
+    cnc.0.put("out/all.txt", bytes);
+    cnc.verify("out", "pass");
+    // An editor may have put its mark before the header of a program.
+    cnc.judge("undecided", &[("all.txt", &format!("\u{feff}%_N_NEW_MPF\n{}", cnc.archive("")))]);
 }
 
 #[test]
-fn functions_that_are_not_used_do_nothing() {
+fn functions_that_are_not_used_do_nothing_and_a_slave_of_a_gantry_is_told() {
     let cnc = fanuc("mean");
     let mut idle =
         "N01006Q1A1P00000000A2P00000000A3P00000000\nN03602Q1P00000000\nN08135Q1P00000000\n"
@@ -270,6 +273,19 @@ fn functions_that_are_not_used_do_nothing() {
     cnc.agrees(&idle);
     let used = replaced(&idle, "N10800Q1P0", "N10800Q1P5");
     cnc.is(&used, "fail", "three-dimensional error compensation is not emulated");
+    // An axis that takes the points of another one with all of its parameters is the slave of a gantry.
+    let parameters = cnc.0.read("kit/CNC-PARA.TXT");
+    let slave = ["03620", "03621", "03622", "03623", "03624"].map(|number| {
+        let (_, rest) = parameters.split_once(&format!("N{number}Q1A1P")).unwrap();
+        let value = rest.split(['A', '\r', '\n']).next().unwrap();
+        format!("N{number}Q1A4P{value}\n")
+    });
+    cnc.is(&slave.concat(), "pass", "takes the points of axis 1, as the slave of a gantry does");
+    // A file of another kind has the same mistake in each line: it is said once, and reading stops.
+    let text = format!("%\n{}%\n", "X1 Y2 no block\n".repeat(43_000));
+    let ran = cnc.judge("refused", &[("all.txt", &text)]);
+    let ran = ran.says("the same in 1999 more lines");
+    assert_eq!(ran.all().matches("-->").count(), 1, "{}", ran.all());
 }
 
 #[test]
@@ -305,30 +321,8 @@ fn grids_that_no_point_ends_are_read_as_the_control_takes_them() {
     cnc.is(&steps, "fail", "$AN_CEC_STEP[9] has several values in the files");
 }
 
-/// A file of another kind has the same mistake in each line: it is said once, and reading stops.
-#[test]
-fn a_long_file_of_another_kind_is_refused_at_once() {
-    let text = format!("%\n{}%\n", "X1 Y2 no block\n".repeat(43_000));
-    let ran = fanuc("mean").judge("refused", &[("all.txt", &text)]);
-    let ran = ran.says("the same in 1999 more lines");
-    assert_eq!(ran.all().matches("-->").count(), 1, "{}", ran.all());
-}
-
 fn cec_9(input: &str, output: &str, more: &str) -> String {
     cec(9, [input, output], 10, [0.1, 0.2]) + "$AN_CEC_DIRECTION[9]=0\n" + more
-}
-
-/// An axis that takes the points of another one with all of its parameters is the slave of a gantry.
-#[test]
-fn points_of_a_slave_of_a_gantry_are_told() {
-    let cnc = fanuc("mean");
-    let parameters = cnc.0.read("kit/CNC-PARA.TXT");
-    let slave = ["03620", "03621", "03622", "03623", "03624"].map(|number| {
-        let (_, rest) = parameters.split_once(&format!("N{number}Q1A1P")).unwrap();
-        let value = rest.split(['A', '\r', '\n']).next().unwrap();
-        format!("N{number}Q1A4P{value}\n")
-    });
-    cnc.is(&slave.concat(), "pass", "takes the points of axis 1, as the slave of a gantry does");
 }
 
 #[test]
@@ -357,18 +351,6 @@ fn part_programs_beside_active_data_are_no_state() {
     cnc.judge("fail", &[("ALL.INI", &old), ("NEW.MPF", &bare)]);
     // Cut before the switch: what goes on behind the end word is not complete.
     judge("refused", &format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n"));
-}
-
-/// Comments and messages of a control may be in one byte for each character.
-#[test]
-fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
-    let cnc = siemens("mean");
-    let text = cnc.archive("CHANDATA(1) ;~berwachung");
-    let bytes: Vec<u8> = text.bytes().map(|b| if b == b'~' { 0xDC } else { b }).collect();
-    cnc.0.put("out/all.txt", bytes);
-    cnc.verify("out", "pass");
-    // An editor may have put its mark before the header of a program.
-    cnc.judge("undecided", &[("all.txt", &format!("\u{feff}%_N_NEW_MPF\n{}", cnc.archive("")))]);
 }
 
 #[test]

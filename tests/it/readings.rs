@@ -86,10 +86,7 @@ fn a_run_under_its_reverse_name_is_turned_to_the_forward_nodes_and_its_offset_st
     assert_eq!(um, [-60.0, -50.0, -40.0, -30.0, -20.0, -10.0, 0.0]);
     assert!(!readings.offset_known(run));
     assert!(readings.offset_known(find(&readings, Diagonal::Npp, Pass::Forward)));
-}
-
-#[test]
-fn a_displacement_under_the_reverse_name_gives_the_deviation_of_its_own_travel() {
+    // A displacement gives the deviation of its own travel.
     let measurement = measurement(PathKind::Straight);
     let text = of_nodes("diagonal,node,displacement_mm", 2, |diagonal, node| {
         let mm = measurement.volume.nominal_mm(diagonal, PathKind::Straight, node) * (1.0 + 100e-6);

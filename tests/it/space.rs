@@ -95,7 +95,7 @@ fn machine_h_is_the_tabulated_one() {
 }
 
 #[test]
-fn volumetric_accuracy_of_machine_h() {
+fn volumetric_accuracy_of_machine_h_which_follows_the_frame() {
     for size in [[13, 9, 7], [21, 21, 21], [25, 17, 13], [41, 41, 41], [101, 101, 101]] {
         let found = diameter(&machine_h(size));
         close(found.um, 1149.980851990, 5e-10);
@@ -107,11 +107,7 @@ fn volumetric_accuracy_of_machine_h() {
     for (found, expected) in found.into_iter().zip([204.915, -40.42545, 11.567]) {
         close(found, expected, 1e-9);
     }
-}
-
-/// The same machine aligned differently: VA follows the frame (docs/volume.md, 3).
-#[test]
-fn machine_h_in_other_frames() {
+    // The same machine aligned differently (docs/volume.md, 3).
     let map = machine_h([13, 9, 7]);
     for (of, along, slope, va_um) in [(0, 1, -77.0, 1281.8443665), (0, 2, 181.0, 2243.6426694)] {
         let turned = (0..map.count()).map(|n| {
@@ -158,7 +154,7 @@ fn windows_of_machine_h() {
 }
 
 #[test]
-fn histogram_of_machine_h() {
+fn histogram_and_grouping_of_machine_h() {
     let vectors = machine_h([21, 21, 21]).vectors();
     for threads in [1, 2, 3] {
         let counts = exact(&vectors, 10.0, threads).unwrap();
@@ -166,10 +162,6 @@ fn histogram_of_machine_h() {
         assert_eq!(counts[113..], [1, 2]);
         assert_eq!(counts.iter().sum::<u64>(), 42_878_430);
     }
-}
-
-#[test]
-fn grouping_of_machine_h() {
     let vectors = machine_h([13, 9, 7]).vectors();
     for (angular, groups, records) in [(0.05, 315, 383), (0.1, 197, 240), (0.2, 103, 129)] {
         let found = grouping(&vectors, Tolerance { angular, magnitude: 0.9 });

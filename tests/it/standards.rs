@@ -100,7 +100,7 @@ fn figures_of_iso_230_2_and_vdi_3441_by_hand() {
 }
 
 #[test]
-fn one_direction_has_its_own_figures_only() {
+fn one_direction_and_one_run_have_their_own_figures_only() {
     let runs = two_targets(None, Some([[0.0, 1.0], [2.0, 3.0]]));
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.down_um, 2.0);
@@ -117,10 +117,6 @@ fn one_direction_has_its_own_figures_only() {
         let expected = format!("{not}: moving {word} was not measured (see the conditions)");
         assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
     }
-}
-
-#[test]
-fn one_run_has_no_scatter_and_says_so() {
     let um = Some(vec![vec![0.0], vec![2.0]]);
     let runs = Runs::new(vec![0.0, 100.0], um.clone(), um).unwrap();
     let axis = iso_230_2::figures(&runs).axis;
@@ -183,6 +179,10 @@ fn conditions_are_judged_by_length_and_targets_in_a_heap_are_found() {
     assert_eq!(remarks[0], StandardFinding::LongAxis.into());
     let words = Condition::missed(&conditions(&flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5)));
     assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
+    let all = conditions(&flat(&UNEVEN, 5));
+    assert!(all[..7].iter().all(|of| of.editions == [1997, 2006, 2014]));
+    assert_eq!(all[7].editions, [2014], "uncertainty");
+    assert!(all.iter().all(|of| of.confidence == "likely"));
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
@@ -212,14 +212,6 @@ fn a_stated_travel_is_judged_in_place_of_the_targets() {
     let noted = |travel| iso_230_2::remarks(&runs, travel).len();
     assert_eq!(noted(span(&runs)), 1, "judged on the targets, and said so");
     assert_eq!(noted(Travel::of(&runs, Some(450.0)).unwrap()), 0);
-}
-
-#[test]
-fn conditions_are_stated_by_edition() {
-    let all = conditions(&flat(&UNEVEN, 5));
-    assert!(all[..7].iter().all(|of| of.editions == [1997, 2006, 2014]));
-    assert_eq!(all[7].editions, [2014], "uncertainty");
-    assert!(all.iter().all(|of| of.confidence == "likely"));
 }
 
 /// Straight runs carry the name of ISO 230-6 only if they meet what is known of its conditions.
@@ -378,7 +370,7 @@ fn layouts_units_and_values_agree() {
 
 /// Positions are taken without a word only where the values leave no doubt (fixtures/cases/refuses/standards.txt).
 #[test]
-fn values_that_can_be_both_are_taken_as_stated() {
+fn values_that_can_be_both_are_taken_as_stated_and_targets_may_be_closer_than_deviations() {
     let around_zero = "target_mm,up1_mm,dn1_mm\n-50,-0.003,-0.001\n50,0.003,0.002\n";
     let positions = "target_mm,up1_mm,dn1_mm\n-50,-50.003,-50.001\n50,50.003,50.002\n";
     assert!(read(positions, Stated::default()).is_ok());
@@ -386,11 +378,7 @@ fn values_that_can_be_both_are_taken_as_stated() {
         let runs = read(around_zero, Stated { unit: None, values: Some(values) }).unwrap();
         near(Some(first_run(&runs, Direction::Plus)[0]), expected);
     }
-}
-
-/// Steps of 20 µm with a deviation of 11 µm: half the way to the next target is nothing unusual.
-#[test]
-fn targets_may_be_closer_than_the_deviations() {
+    // Steps of 20 µm with a deviation of 11 µm: half the way to the next target is nothing unusual.
     let runs = "target_mm,up1_um\n0,1\n0.02,2\n0.04,11\n";
     let named = "target_mm,run,direction,deviation_um\n0,1,+,1\n0.02,1,+,2\n0.04,1,+,11\n";
     for (text, stated) in [(runs, DEVIATIONS), (named, Stated::default())] {

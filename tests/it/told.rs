@@ -81,8 +81,14 @@ fn what_no_file_of_an_own_profile_sets_is_noted() {
     visit.run("verify job.toml --tables kit").says(switches);
 }
 
+/// X was measured in both directions, Y and Z were not: that is neither "not measured" nor nothing.
 #[test]
-fn a_reversal_within_its_uncertainty_is_told_as_noise() {
+fn the_errors_without_a_reversal_are_named_and_one_within_its_uncertainty_is_noise() {
+    let visit = Visit::with_job("machines/five_points/siemens-840d-sl.toml");
+    let names = "EXY, EYY, EZY, EXZ, EYZ, EZZ";
+    visit.run("generate job.toml -o kit").says(&format!("reversal of {names} not measured"));
+    let page = visit.run("report job.toml --language de -o -");
+    page.says(&format!("Umkehrspanne von {names} nicht gemessen"));
     let (visit, _) = told("siemens-840d-sl", None);
     visit.under("[compensation]", "backlash = \"two-tables\"");
     // EXX: 3 µm between the directions; EYX: 1 µm, with u = 0.5 µm (U of a difference 1.4 µm).
@@ -91,14 +97,4 @@ fn a_reversal_within_its_uncertainty_is_told_as_noise() {
     visit.put("errors.csv", head.to_string() + rows);
     let ran = visit.run("generate job.toml -o noisy --force").omits("EXX: its reversal");
     ran.says("EYX: its reversal, 1.0 µm at most, lies within the U = 1.4 µm");
-}
-
-/// X was measured in both directions, Y and Z were not: that is neither "not measured" nor nothing.
-#[test]
-fn the_errors_without_a_reversal_are_named() {
-    let visit = Visit::with_job("machines/five_points/siemens-840d-sl.toml");
-    let names = "EXY, EYY, EZY, EXZ, EYZ, EZZ";
-    visit.run("generate job.toml -o kit").says(&format!("reversal of {names} not measured"));
-    let page = visit.run("report job.toml --language de -o -");
-    page.says(&format!("Umkehrspanne von {names} nicht gemessen"));
 }

@@ -3,8 +3,7 @@ use crate::support::*;
 use nonius::control::controller::builtin;
 use serde_json::Value;
 
-/// The golden machine of 900 mm with another control, a detection unit of 1 µm where one is asked
-/// for; and its kit, which has to be read back as what the job asks for.
+/// The golden machine of 900 mm with another control, and its kit, which has to be read back as what the job asks for.
 fn visit(id: &str) -> (Visit, Value) {
     let visit = Visit::with_job("nine_errors_900/fanuc-30i.toml");
     visit.edit("job.toml", "fanuc-30i", id);

@@ -42,7 +42,7 @@ fn long(spacing: f64) -> (String, String) {
 
 /// 84 curves: above 64 all have 16 points, and the sum of the pieces is still the measured curve.
 #[test]
-fn pieces_add_up_to_a_long_table() {
+fn pieces_add_up_to_a_long_table_and_more_than_hal_holds_are_refused() {
     let (job, errors) = long(5.0);
     let (_, kit) = support::generate(&job, &errors);
     let text = support::text_of(&kit, "compensation.hal");
@@ -61,10 +61,6 @@ fn pieces_add_up_to_a_long_table() {
             assert!(left.abs() <= 0.000_5 + support::DUST_UM, "{output} at {at}: {left} µm");
         }
     }
-}
-
-#[test]
-fn more_curves_than_hal_holds_are_refused() {
     let (job, errors) = long(1.0);
     let said = kit::generate(&support::inputs(&job, &errors)).expect_err("402 curves").render();
     let words = ["402 curves of 16 points, more than the 128", "use a larger spacing"];

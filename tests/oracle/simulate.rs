@@ -20,8 +20,7 @@ const DUST_UM: f64 = 1e-8;
 /// A table of the generic control is written with six decimals of a millimetre.
 const GENERIC_UM: f64 = 1e-6;
 
-/// Job and error table of a machine, in both directions where it loses motion; `back`: that the program measures on the
-/// way back, too, and whether after an overrun.
+/// Job and error table of a machine, in both directions where it loses motion; `back`: reverse passes, after an overrun?
 fn inputs(machine: &Machine, back: Option<bool>) -> Inputs {
     let volume = &machine.volume;
     let axes = Axis::ALL.map(|axis| {
@@ -125,7 +124,7 @@ fn noisy(runs: u32, seed: u64, both_directions: bool) -> Wishes {
 }
 
 #[test]
-fn noise_is_the_same_for_a_seed_and_other_runs_do_not_change_it() {
+fn noise_hangs_on_its_seed_alone_has_the_stated_size_and_leaves_the_first_reading_zero() {
     let inputs = plain_inputs();
     let three = simulate(&inputs, None, noisy(3, 5, false));
     assert_eq!(three.runs, simulate(&inputs, None, noisy(3, 5, false)).runs);
@@ -135,11 +134,6 @@ fn noise_is_the_same_for_a_seed_and_other_runs_do_not_change_it() {
     }
     let other = simulate(&inputs, None, noisy(3, 6, false));
     assert_ne!(three.runs, other.runs);
-}
-
-#[test]
-fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
-    let inputs = plain_inputs();
     let exact = simulate(&inputs, None, Wishes::default());
     let found = simulate(&inputs, None, noisy(20, 3, false));
     let (mut sum, mut count) = (0.0, 0.0);

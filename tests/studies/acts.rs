@@ -179,8 +179,7 @@ impl Trial {
     }
 }
 
-/// Of a visit that is undecided though its truth is not near the limit: its row, whether the first act is told to
-/// decide, and whether it does.
+/// Of a visit that is undecided, its truth not near the limit: its row, whether the first act is told to decide, and does.
 fn visited(seed: u64) -> Option<(usize, bool, bool)> {
     let mut trial = Trial::new(seed);
     let random = &mut trial.random;

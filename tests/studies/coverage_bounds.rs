@@ -49,8 +49,7 @@ impl Rigid {
         });
     }
 
-    /// Error (mm) and rotation (rad) that the angles make at a place, by shares of the travel. Levers
-    /// count from the corner of the box: what the figures are must not depend on it.
+    /// Error (mm) and rotation (rad) that the angles make at a place, by shares of the travel; levers count from a corner.
     fn turned(&self, shares: PerAxis<f64>) -> (PerAxis<f64>, PerAxis<f64>) {
         let (mut error, mut turned) = (PerAxis::default(), PerAxis::default());
         for (place, axis) in Axis::ALL.into_iter().enumerate() {

@@ -322,8 +322,13 @@ fn planned(max_deviation_um: &str, edit: (&str, &str), arguments: &str) -> visit
 
 const AS_IT_IS: (&str, &str) = ("steps = 4 ", "steps = 4 ");
 
+/// A set-up that is assumed, or a line without uncertainty, leaves no U: nothing is then reached.
 #[test]
-fn the_page_is_one_screen_and_the_document_holds_its_figures() {
+fn the_page_is_one_screen_and_the_document_holds_its_figures_and_what_has_no_known_u_is_not_reached()
+ {
+    planned("900.0", AS_IT_IS, "-q").ends(0);
+    let assumed = ("steps = 4 ", "setup = \"assume-perfect\"\nsteps = 4 ");
+    planned("900.0", assumed, "").ends(1).says("U is not known for EXX, EYY, EZZ");
     let text = planned("5.0", AS_IT_IS, "").ends(1).out;
     assert!(text.contains("; the acceptance (5 µm of every term) is not reached"), "{text}");
     assert!(text.lines().count() <= 45, "{text}");
@@ -341,12 +346,4 @@ fn the_page_is_one_screen_and_the_document_holds_its_figures() {
         assert!(!quicker || visit["reached"] == false || visit["spacing_mm"].is_object());
     }
     planned("9.0", AS_IT_IS, "-q").ends(0);
-}
-
-/// A set-up that is assumed, or a line without uncertainty, leaves no U: nothing is then reached.
-#[test]
-fn what_has_no_known_u_is_not_reached() {
-    planned("900.0", AS_IT_IS, "-q").ends(0);
-    let assumed = ("steps = 4 ", "setup = \"assume-perfect\"\nsteps = 4 ");
-    planned("900.0", assumed, "").ends(1).says("U is not known for EXX, EYY, EZZ");
 }

@@ -12,8 +12,7 @@ fn box_at(steps: usize) -> Volume {
     Volume { start: mm(0.0, 0.0, -720.0), ..box_of(steps) }
 }
 
-/// Nine curves of about `size` µm: slope, bow, one wave, a ripple that waves 2 to 5 times; X primary: EYX, EZX and EZY end as
-/// they begin.
+/// Nine curves of about `size` µm: slope, bow, one wave, a ripple of 2 to 5; X primary: EYX, EZX and EZY end as they begin.
 pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Machine {
     let mut machine = Machine::perfect(&box_at(points as usize - 1));
     for (along, of) in terms() {

@@ -257,8 +257,7 @@ fn a_disturbed_reading_is_named_with_its_twins() {
     }
 }
 
-/// What the separation makes of one rotation that grows evenly by 1 µrad over the box, zero and with
-/// levers from its middle, µm: all of it is false.
+/// What is made of one rotation that grows evenly by 1 µrad over the box, levers from its middle, µm: all of it is false.
 fn false_bows(
     volume: &Volume,
     chain: Chain,

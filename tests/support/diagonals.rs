@@ -112,8 +112,7 @@ impl Machine {
         both.map(|(um, b)| um + side * b - apart[0] / 2.0 - lost).collect()
     }
 
-    /// An error table in one direction or both, with so many decimals: `value` makes of term, direction, place (mm) and error
-    /// (µm) what stands there, which has this u where one is stated.
+    /// An error table in one direction or both: `value` makes of term, direction, mm and error (µm) what stands there.
     pub(crate) fn error_table(
         &self,
         both_ways: bool,

@@ -68,8 +68,7 @@ pub(crate) fn job_of<A: Display>(
     job_measured(&format!("errors = \"errors.csv\"\n{measurement}"), compensation, axes)
 }
 
-/// A job: keys of `[measurement]`, those of `[compensation]`, and each axis with its travel and reference, mm, and the keys
-/// of its tables.
+/// A job: keys of `[measurement]` and `[compensation]`; each axis with travel and reference, mm, and keys of its tables.
 pub(crate) fn job_measured<A: Display>(
     measurement: &str,
     compensation: &str,
@@ -90,8 +89,7 @@ pub(crate) fn job_measured<A: Display>(
 pub(crate) const G54: &str =
     "\n[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
 
-/// An error table of axes at places, mm, reached from each of these ways (`""`: no direction is named); `values` gives
-/// what stands in its columns.
+/// An error table of axes at places, mm, reached from each of these ways (`""`: none is named), with its `values`.
 pub(crate) fn error_rows<const N: usize>(
     columns: &str,
     axes: &[(&str, Vec<f64>)],
@@ -174,8 +172,7 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
         .unwrap_or_else(|p| panic!("{}\n{job}", p.render()))
 }
 
-/// The last decimal of a value of a declared control on an axis with this detection unit, µm; a typed list without
-/// decimals of its own has that unit.
+/// The last decimal of a value of a declared control, µm; a typed list without decimals of its own has the axis' unit.
 pub(crate) fn count_um(facts: &DeclaredFacts, unit_um: Option<f64>) -> f64 {
     let size = facts.value_size.value;
     match &facts.typed {

@@ -38,8 +38,7 @@ pub(crate) fn share(all: u64, least: u64) -> u64 {
     }
 }
 
-/// Whether a share is within `strict`; in plain `cargo test`, whether its few trials may have come
-/// from a probability within `stated`.
+/// Whether a share is within `strict`; in plain `cargo test`, whether its few trials may come from within `stated`.
 pub(crate) fn is_held(
     share: f64,
     trials: usize,
@@ -71,8 +70,7 @@ pub(crate) fn markdown(head: &str, rows: impl IntoIterator<Item = String>) -> St
     format!("| {head} |\n| --- |{columns}{rows}")
 }
 
-/// Compares a table with that between the markers `name` of `tests/studies/<file>.rs`; with
-/// `NONIUS_UPDATE` in the environment writes it there.
+/// Compares a table with that between the markers `name` of `tests/studies/<file>.rs`; with `NONIUS_UPDATE` writes it there.
 pub(crate) fn published(name: &str, file: &str, table: &str) {
     let begin = format!("<!-- {name}: written by tests/studies/{file}.rs -->\n");
     let end = format!("\n<!-- {name}: end -->");

@@ -60,8 +60,7 @@ impl Case<'_> {
         self.kit.plan.tables.iter().any(|table| table.term == term)
     }
 
-    /// Whether each direction has a table of its own. Where the policy asks for it and the control
-    /// could hold it, anything else has to be said.
+    /// Whether each direction has a table of its own; where policy and control ask for it, anything else has to be said.
     pub(crate) fn two_tables(&self, term: &Term) -> bool {
         let mut tables = self.kit.plan.tables.iter();
         let directed = tables.any(|t| t.term == term.term && t.direction.is_some());

@@ -104,8 +104,7 @@ struct OnWalk<'a> {
     response: Response,
 }
 
-/// Beside every bend and jump and between them; never exactly where axes jump together, for
-/// which of them is first there is rounding.
+/// Beside every bend and jump and between them; never where axes jump together, for which of them is first is rounding.
 fn steps_of_walk(case: &Case<'_>, walk: &[OnWalk<'_>]) -> Vec<f64> {
     let mut breaks = vec![0.0, 1.0];
     for OnWalk { term, from, to, response, .. } in walk {

@@ -262,8 +262,7 @@ impl<'a> OneWay<'a> {
         self.near(what, self.constant_um - expected, last_digit / 2.0 + 1e-6);
     }
 
-    /// (c) On a control that takes every sign the other way round the residual doubles. Whether the
-    /// deviation is large enough to see that.
+    /// (c) With every sign turned the residual doubles; whether the deviation is large enough to see that.
     fn turned_sign_doubles(&self, turned: &Held) -> bool {
         let generic = support::is_generic(self.case.profile);
         for (a, b) in self.held.um.iter().zip(&turned.um) {

@@ -27,8 +27,7 @@ impl Machine {
         self.travel[axis][1] - self.travel[axis][0]
     }
 
-    /// Error of `axis` in `direction` at its position, arriving upwards or downwards, µm: reached minus commanded. The
-    /// reference is approached upwards, there the error is 0.
+    /// Error of `axis` in `direction`, arriving upwards or downwards, µm: reached less commanded, 0 at the reference up.
     pub(crate) fn error_um(&self, axis: usize, direction: usize, at: f64, upwards: bool) -> f64 {
         let turn = TAU * at / self.length(axis);
         if axis == direction {
