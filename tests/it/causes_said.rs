@@ -275,14 +275,12 @@ fn a_scale_that_does_not_grow_stays() {
     }
     visit.put("job.toml", job).run("generate job.toml -o kit").answers();
     let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um,u_ex_um,u_ey_um,u_ez_um\n");
-    let kelvin = 4.0;
     let axes = [("x", 0.0, 100.0, 0.0), ("y", 0.0, 75.0, 11.5), ("z", -200.0, 50.0, 8.0)];
     for (place, (axis, low, step, um_per_m)) in axes.into_iter().enumerate() {
         for index in (0..=4).map(f64::from) {
-            let mm = low + step * index;
-            let wave = 0.02 * index.sin();
+            let (mm, wave) = (low + step * index, 0.02 * index.sin());
             let mut e = [0.02 + wave, -0.03 - wave, 0.01 + wave];
-            e[place] = kelvin * um_per_m * mm / 1000.0 + 0.2 * (index * 2.3).sin();
+            e[place] = 4.0 * um_per_m * mm / 1000.0 + 0.2 * (index * 2.3).sin(); // 4 K
             csv += &format!("{axis},{mm},{:.4},{:.4},{:.4},0.1,0.1,0.1\n", e[0], e[1], e[2]);
         }
     }

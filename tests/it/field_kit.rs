@@ -238,8 +238,7 @@ fn kit_of_x(profile: &str, rows: &str, limits: &str) -> Kit {
 }
 
 #[test]
-fn no_legal_place_is_said_with_how_to_switch_off_by_hand_and_the_limit_of_the_sum_lets_the_bump_through()
- {
+fn no_legal_place_is_said_with_how_to_switch_off_and_the_limit_of_the_sum_lets_a_bump_through() {
     let limits = "\n[limits]\nmax_slope_um_per_mm = 0.049\n";
     let kit = kit_of_x("siemens-840d-sl", "x,400,1,1,1\n", limits);
     let proofs = files_of(&kit, Role::SignProof);

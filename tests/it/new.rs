@@ -252,13 +252,17 @@ fn the_slopes_of_the_first_job_copied_to_the_second_are_blamed_on_nobody_else() 
 }
 
 #[test]
-fn what_is_there_stays_unless_it_is_forced_and_a_profile_of_ones_own_is_named_from_inside() {
+fn what_is_there_stays_unless_it_is_forced() {
     let at = &Visit::new();
     begun(at, "generic", "");
     at.run("new --controller generic --travel 1,2,3 -o visit").ends(2).says("visit");
     let forced = "new --controller generic --travel 1,2,-3:0in -o visit --force --format json";
     assert_eq!(at.run(forced).ends(0).json()["steps"], 10);
     assert!(at.read("visit/job.toml").contains("[-76.2, 0]") && at.has("visit.previous/job.toml"));
+}
+
+#[test]
+fn a_profile_of_ones_own_is_named_from_inside_the_visit() {
     let at = &Visit::new();
     at.put("shop.toml", own_profile("fanuc-30i", ""));
     begun(at, "shop.toml", "");

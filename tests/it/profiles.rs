@@ -97,8 +97,7 @@ fn of_page(page: &str) -> Profile {
 
 /// Facts of the page itself decide which files of the page below are written, and what is not stated stays.
 #[test]
-fn a_page_is_laid_over_the_one_it_builds_on_and_a_step_without_an_origin_is_a_rule_of_this_program()
-{
+fn a_page_is_laid_over_the_one_it_builds_on() {
     let keys = "[facts.table_form]\nvalue = \"data\"\nevidence = \"manual\"\nsource = \"a page\"\n\
         [facts.cec_sign]\nvalue = \"as_correction\"\nevidence = \"executed\"\nsource = \"a proof\"\n\
         [program]\nextension = \"SPF\"\n";
@@ -118,7 +117,11 @@ fn a_page_is_laid_over_the_one_it_builds_on_and_a_step_without_an_origin_is_a_ru
     assert_eq!((sign.0.value.as_str(), &sign.0.consequence), ("as_correction", &None));
     assert_eq!(sign.0.mechanism, sign.1.mechanism);
     assert_eq!(tables.0, tables.1);
-    // Half an origin: fixtures/cases/refuses/profile.txt. Facts that pages once had to state are taken, and shown.
+}
+
+/// Half an origin: fixtures/cases/refuses/profile.txt. Facts that pages once had to state are taken, and shown.
+#[test]
+fn a_step_without_an_origin_is_a_rule_of_this_program() {
     let keys = "[facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\
         [[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n";
     let own = of_page(&own_profile("klipper-skew", keys));

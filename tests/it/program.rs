@@ -121,7 +121,7 @@ fn programs_and_positions_are_those_that_were_checked() {
 }
 
 #[test]
-fn what_is_not_stated_has_its_default_and_protected_numbers_are_noted() {
+fn what_is_not_stated_has_its_default() {
     let asked = |keys: &str| Case::small("generic", keys).read().program.unwrap();
     let steps = asked(STEP);
     assert_eq!((steps.feed_mm_per_min, steps.dwell_s), (1000.0, 3.0));
@@ -134,6 +134,10 @@ fn what_is_not_stated_has_its_default_and_protected_numbers_are_noted() {
     assert_eq!(forward.volume.steps, 3);
     let turning = asked(&format!("{STEP}\noverrun_mm = 0"));
     assert_eq!((turning.overrun.mm(), turning.preload.mm()), (0.0, 2.0));
+}
+
+#[test]
+fn numbers_that_may_be_protected_are_noted() {
     let is_noted = |number: u32| {
         let notes = fanuc(&format!("number = {number}")).kit().run.notes;
         notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))

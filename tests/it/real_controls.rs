@@ -1,5 +1,5 @@
 //! Files of real controls, read where they lie, nothing copied: told in counts, ranges and largest values.
-use crate::support::{holds, inputs, job_of, response, shared, shown, um_at};
+use crate::support::{error_rows, holds, inputs, job_of, response, shared, shown, um_at};
 use nonius::control::controller::Role;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
@@ -20,13 +20,9 @@ fn real(folder: &str, names: &[&str]) -> Option<Files> {
 
 /// A job for three axes, measured with `active`; `axis` = lines of `[compensation.axes]`.
 fn job(control: &str, active: &str, travel: [[f64; 2]; 3], axis: fn(usize) -> String) -> Inputs {
-    let mut errors = "axis,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    for (index, letter) in ["x", "y", "z"].into_iter().enumerate() {
-        for mm in travel[index] {
-            let um = mm / 100.0;
-            errors += &format!("{letter},{mm},{um},{},{}\n", -um, um / 2.0);
-        }
-    }
+    let ends = [0, 1, 2].map(|index| (["x", "y", "z"][index], travel[index].to_vec()));
+    let um = |_: &str, _: &str, mm: f64| [mm, -mm, mm / 2.0].map(|mm| mm / 100.0);
+    let errors = error_rows("ex_um,ey_um,ez_um", &ends, &[""], um);
     let axes = (0..3).map(|index| (["x", "y", "z"][index], travel[index], 0.0, axis(index)));
     let measurement = format!("active_while_measuring = \"{active}\"");
     let compensation = format!("controller = \"{control}\"\nbacklash = \"mean\"");

@@ -58,16 +58,8 @@ fn volume(job: &str, table: &str) -> VolumeModel {
     VolumeModel::build(&job, &ErrorModel::build(&job, &table).expect("a model")).expect("a volume")
 }
 
-fn per_axis(xyz: [f64; 3]) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| xyz[axis as usize])
-}
-
 fn figures(model: &VolumeModel, nodes: &Nodes) -> Definitions {
     definitions::definitions(model, &model.map(nodes).expect("a map"))
-}
-
-fn translation(v: [f64; 3]) -> Matrix4<f64> {
-    Matrix4::new_translation(&Vector3::from(v))
 }
 
 const OFFSETS: [f64; 3] = [350.0, 180.0, 130.0];
@@ -75,8 +67,8 @@ const TOOL: [f64; 3] = [40.0, -25.0, -180.0];
 
 /// Error of the tool point, µm: a tool axis turns what is behind its travel, a table what is behind the table's zero.
 fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
-    let mut chain = Matrix4::identity();
-    let mut nominal = TOOL;
+    let translation = |v: [f64; 3]| Matrix4::new_translation(&Vector3::from(v));
+    let (mut chain, mut nominal) = (Matrix4::identity(), TOOL);
     for axis in machine.chain.order() {
         let own = axis as usize;
         let arm = machine.positions[axis][node[own]] - OFFSETS[own];
@@ -89,7 +81,7 @@ fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
         nominal[own] += arm;
     }
     let actual = chain * Vector4::new(TOOL[0], TOOL[1], TOOL[2], 1.0);
-    per_axis([0, 1, 2].map(|k| (actual[k] - nominal[k]) * 1e3))
+    PerAxis::from_fn(|axis| (actual[axis as usize] - nominal[axis as usize]) * 1e3)
 }
 
 /// Largest difference of model and matrices over all nodes of a machine, µm.
@@ -175,7 +167,7 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
             let carried = chain.carried_by(axis);
             let lever = PerAxis::from_fn(|a| if carried.contains(&a) { shift[a] } else { 0.0 });
             for row in &mut moved.values[axis] {
-                let more = per_axis([row[3], row[4], row[5]]).cross(lever).times(1e-3);
+                let more = PerAxis { x: row[3], y: row[4], z: row[5] }.cross(lever).times(1e-3);
                 Axis::ALL.into_iter().for_each(|of| row[of as usize] += more[of]);
             }
         }

@@ -324,8 +324,7 @@ const AS_IT_IS: (&str, &str) = ("steps = 4 ", "steps = 4 ");
 
 /// A set-up that is assumed, or a line without uncertainty, leaves no U: nothing is then reached.
 #[test]
-fn the_page_is_one_screen_and_the_document_holds_its_figures_and_what_has_no_known_u_is_not_reached()
- {
+fn the_page_is_one_screen_with_the_figures_of_the_document_and_no_unknown_u_is_reached() {
     planned("900.0", AS_IT_IS, "-q").ends(0);
     let assumed = ("steps = 4 ", "setup = \"assume-perfect\"\nsteps = 4 ");
     planned("900.0", assumed, "").ends(1).says("U is not known for EXX, EYY, EZZ");

@@ -442,8 +442,8 @@ impl Measured {
         terms: &mut Vec<Term>,
         csv: &mut String,
     ) -> f64 {
-        let Measured { directions, kind, steep, unit_um, range, reference, homing, length } = self;
-        let (from, to) = range;
+        let Measured { directions, kind, steep, unit_um, range: (from, to), .. } = self;
+        let Measured { reference, homing, length, .. } = self;
         let count = 4 + random.below(12);
         let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
             let step = (to - from) / (count - 1) as f64;

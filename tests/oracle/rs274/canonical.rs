@@ -100,12 +100,9 @@ impl Canon {
             |place: [f64; 3]| (place[second] - centre[second]).atan2(place[first] - centre[first]);
         let from = angle(self.at);
         let sign = numbers[4].signum();
-        let mut sweep = (sign * (angle(to) - from)).rem_euclid(TAU);
         let gap = (to[first] - self.at[first]).hypot(to[second] - self.at[second]);
-        if gap < 1e-6 {
-            sweep = TAU;
-        }
-        sweep += (numbers[4].abs() - 1.0) * TAU;
+        let part = (sign * (angle(to) - from)).rem_euclid(TAU);
+        let sweep = if gap < 1e-6 { TAU } else { part } + (numbers[4].abs() - 1.0) * TAU;
         let start = self.at;
         let radius = (start[first] - centre[first]).hypot(start[second] - centre[second]);
         self.walked.reach(start);
