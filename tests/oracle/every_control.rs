@@ -1,6 +1,7 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
 use crate::support::*;
 use nonius::control::controller::builtin;
+use nonius::quantity::Axis::{X, Y, Z};
 use serde_json::Value;
 
 /// The golden machine of 900 mm with another control, and its kit, which has to be read back as what the job asks for.
@@ -77,4 +78,25 @@ fn checklist_begins_with_the_work(id: &str, visit: &Visit) {
         assert_eq!(hidden.find(|line| line.contains(harm)), None, "{id}");
     }
     assert!(work.lines().count() <= 70, "{id}: too many lines before the annex\n{work}");
+}
+
+#[test]
+fn the_900_mm_machine_is_as_an_independent_simulation_has_it() {
+    let job = fixture("nine_errors_900/generic.toml");
+    let slopes_um_per_m = [(X, Y, 19.166666667), (X, Z, -13.055555556), (Y, Z, 12.5)];
+    let ranges_um = [18.543452999, 12.715510628, 13.843169661, 21.457424184];
+    for (id, last_digits_um) in [("generic", 1e-6), ("siemens-840d-sl", 9.0 * 0.0005)] {
+        let job = replaced(&job, "\"generic\"", &format!("\"{id}\""));
+        let (inputs, kit) = generate(&job, &fixture("nine_errors_900/errors.csv"));
+        for (first, second, phi) in slopes_um_per_m {
+            near(id, inputs.model.squareness_um_per_m(first, second).unwrap(), phi, 1e-6);
+        }
+        for (n, own) in kit.forecast.diagonals.iter().enumerate() {
+            let (name, change) = (own.diagonal.name(), own.change);
+            assert_eq!(name, DIAGONALS[n]);
+            near(name, change.before_um, ranges_um[n], 1e-6);
+            // Table points lie on the measured ones: nothing but rounding is left.
+            assert!(change.after_um <= 2.0 * last_digits_um, "{id} {name}: {}", change.after_um);
+        }
+    }
 }

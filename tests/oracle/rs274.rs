@@ -13,9 +13,6 @@ use std::fs;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
-/// Part of the length by which the two may differ.
-const LENGTH_PART: f64 = 2e-4;
-const BOX_MM: f64 = 0.003;
 /// No machine has it: no program leaves it.
 const TRAVEL_MM: f64 = 50_000.0;
 const MM_PER_INCH: f64 = 25.4;
@@ -142,7 +139,7 @@ fn compare(ours: &Walked, theirs: &Walked) -> Result<(), String> {
     let length = (ours.length_mm - theirs.length_mm).abs();
     let ends = ours.reach_mm.iter().flatten().zip(theirs.reach_mm.iter().flatten());
     let box_mm = ends.map(|(our, their)| (our - their).abs()).fold(0.0, f64::max);
-    if length <= LENGTH_PART * theirs.length_mm && box_mm <= BOX_MM {
+    if length <= 2e-4 * theirs.length_mm && box_mm <= 0.003 {
         return Ok(());
     }
     let both = format!("  ours   {ours:?}\n  theirs {theirs:?}");

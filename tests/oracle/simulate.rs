@@ -17,8 +17,6 @@ use proptest::prelude::*;
 const FILE_DIGITS_UM: f64 = 1e-9;
 /// The test's own sums over travels of two metres.
 const DUST_UM: f64 = 1e-8;
-/// A table of the generic control is written with six decimals of a millimetre.
-const GENERIC_UM: f64 = 1e-6;
 
 /// Job and error table of a machine, in both directions where it loses motion; `back`: reverse passes, after an overrun?
 fn inputs(machine: &Machine, back: Option<bool>) -> Inputs {
@@ -104,7 +102,8 @@ proptest! {
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
             for left in &run.deviations {
-                prop_assert!(left.um().abs() < 6.0 * GENERIC_UM, "{} {:?}: {left:?}", run.diagonal, run.pass);
+                // A table of the generic control has six decimals of a millimetre.
+                prop_assert!(left.um().abs() < 6e-6, "{} {:?}: {left:?}", run.diagonal, run.pass);
             }
         }
     }

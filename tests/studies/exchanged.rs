@@ -5,11 +5,6 @@ use crate::support::{in_parallel, is_held, markdown, published_if_whole, share, 
 use nonius::machine::separation::Separation;
 use nonius::quantity::{Axis, Diagonal, ErrorTerm, PerDiagonal};
 
-/// Machines of the whole run, by way of measuring; seeds 0, 1, 2 …
-const MACHINES: u64 = 400;
-/// Sound readings of machines of each waviness in the whole run.
-const EVEN_MACHINES: u64 = 1000;
-
 #[derive(Clone, Copy)]
 struct Way {
     name: &'static str,
@@ -211,8 +206,8 @@ fn at_most((count, all): (usize, usize), percent: f64, what: &str) {
 
 #[test]
 fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
-    let outcomes = in_parallel(WAYS, |way| (way, outcome(way, share(MACHINES, 4))));
-    let machines = share(EVEN_MACHINES, 10);
+    let outcomes = in_parallel(WAYS, |way| (way, outcome(way, share(400, 4)))); // seeds 0, 1, 2 …
+    let machines = share(1000, 10); // of each waviness, with sound readings
     let even = even_machines(WAYS[0], machines);
     let head = format!(
         "slips | named | silent: {} | silent, power ≥ 95 % | right readings accused | … with the sentence",

@@ -10,9 +10,6 @@ use tempfile::TempDir;
 
 pub(crate) const LETTERS: [&str; 3] = ["X", "Y", "Z"];
 
-/// Speed of the joints, mm/s.
-const SPEED_MM: f64 = 500.0;
-
 /// A servo cycle, s.
 pub(crate) const CYCLE_S: f64 = 1e-3;
 
@@ -168,7 +165,7 @@ fn drives(setup: &Setup<'_>) -> String {
 
 fn configuration(setup: &Setup<'_>) -> String {
     let unit_mm = if setup.unit == "inch" { 25.4 } else { 1.0 };
-    let (speed, acceleration) = (SPEED_MM / unit_mm, setup.acceleration_mm / unit_mm);
+    let (speed, acceleration) = (500.0 / unit_mm, setup.acceleration_mm / unit_mm);
     let mut ini = format!(
         "[EMC]\nVERSION = 1.1\nMACHINE = nonius\nDEBUG = 0\n\
          [DISPLAY]\nDISPLAY = ./ui.py\nCYCLE_TIME = 0.1\n\

@@ -45,10 +45,6 @@ impl Case {
         if self.unit == "inch" { 25.4 } else { 1.0 }
     }
 
-    fn has_cross_tables(&self) -> bool {
-        self.controller == "linuxcnc-hal"
-    }
-
     pub(crate) fn close(&self) -> Seen {
         let (inputs, kit) = generate(&self.job(), &self.error_table());
         let cycles = self.driven(&kit);
@@ -80,7 +76,7 @@ impl Case {
             "controller = \"{}\"\ncontrol_unit = \"{}\"\nbacklash = \"two-tables\"\n{}",
             self.controller,
             self.unit,
-            if self.has_cross_tables() { "" } else { own },
+            if self.controller == "linuxcnc-hal" { "" } else { own },
         );
         let sections = (self.points - 1) as f64;
         let spacing = self.machine.travel.map(|[low, high]| (high - low) / sections);
