@@ -22,7 +22,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
-use crate::kit::manifest::{HashedFile, Machine, Manifest, Predecessor, SCHEMA, State};
+use crate::kit::manifest::{HashedFile, Manifest, SCHEMA};
 pub use crate::read::emulator;
 pub use crate::text::sha256;
 use crate::text::{Finding, Problems};
@@ -35,6 +35,8 @@ pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
 use loaded::{Made, named_backlash};
 use serde::Serialize;
+use serde_json::json;
+use std::collections::BTreeMap;
 pub(crate) use verification::second_look;
 pub use verification::{SecondLook, Verification, forecast, verify, verify_read_out};
 
@@ -96,23 +98,25 @@ fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
     Manifest {
         schema: SCHEMA,
         tool: TOOL,
-        predecessor: active.and_then(|active| Predecessor::of(active, &controller)),
+        predecessor: active.and_then(|active| manifest::predecessor(active, &controller)),
         controller,
         inputs: inputs.hashes.clone(),
         files: files.iter().map(hashed).collect(),
         assumptions: compiled.assumptions.clone(),
         preconditions: compiled.preconditions.clone(),
         omitted: plan.omitted.clone(),
-        forecast: forecast.into(),
+        forecast: manifest::figures(forecast),
         tables: compiled.placements.clone(),
-        state: State::of(&compiled.state, |name| named_backlash(inputs, plan, compiled, name)),
-        machine: Machine {
-            name: machine.name.clone(),
-            serial: machine.serial.clone(),
-            chain: machine.chain.map(|chain| chain.to_string()),
-            measured: measurement.date.clone(),
-            protocol: measurement.protocol.iter().cloned().collect(),
-        },
+        state: manifest::state(&compiled.state, |name| {
+            named_backlash(inputs, plan, compiled, name)
+        }),
+        machine: json!({
+            "name": machine.name,
+            "serial": machine.serial,
+            "chain": machine.chain.map(|chain| chain.to_string()),
+            "measured": measurement.date,
+            "protocol": BTreeMap::from_iter(measurement.protocol.iter().cloned()),
+        }),
         what_decides: decides.flatten(),
         sign_proofs,
         doubts: doubts.clone(),

@@ -3,12 +3,12 @@
 
 use crate::cli::outcome::{Format, Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
-use crate::control::controller::program::Language;
 use crate::control::controller::{
     Evidence, JobKey, Profile, ProfileSource, Role, Statement, builtin,
 };
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
+use crate::kit::manifest::flat;
 use crate::kit::{Inputs, generate, program_kit, template_context};
 use crate::read::check_examples;
 use crate::text::{Problems, Source};
@@ -17,6 +17,7 @@ use crate::visit::inputs;
 use crate::visit::job_files::profile;
 use clap::{Args, Subcommand};
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// What `controllers` does.
@@ -74,19 +75,14 @@ pub(super) fn run(command: Option<&Command>, files: &dyn Files) -> Result<Outcom
 fn list(print: Print) -> Result<Outcome, Problems> {
     let profiles = builtin::ids().into_iter().map(builtin::profile);
     let profiles: Vec<Profile> = profiles.collect::<Result<_, _>>()?;
-    let list = List { schema: 1, controllers: profiles.iter().map(Summary::of).collect() };
-    let rows = list.controllers.iter().zip(&profiles).map(|(of, profile)| {
+    let all: Vec<Summary<'_>> = profiles.iter().map(Summary::of).collect();
+    let rows = all.iter().zip(&profiles).map(|(of, profile)| {
         let Summary { id, name, manual, assumed, executed, .. } = of;
         format!("{id}\t{name}\t{}\t{manual}\t{assumed}\t{executed}", profile.statements.len())
     });
     let heading = "id\tcontrol\t>facts\t>manual\t>assumed\t>executed";
-    print.outcome(|| Screen::of(table(heading, rows)), || &list)
-}
-
-#[derive(Serialize)]
-struct List<'a> {
-    schema: u32,
-    controllers: Vec<Summary<'a>>,
+    print
+        .outcome(|| Screen::of(table(heading, rows)), || json!({ "schema": 1, "controllers": all }))
 }
 
 /// A control, and how many of its facts are how well known.
@@ -123,20 +119,7 @@ fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome
         };
         return Ok(Outcome::text(&page));
     }
-    print.outcome(|| Screen::of(profile_text(&profile)), || Document::of(&profile))
-}
-
-/// A profile, as scripts read it.
-#[derive(Serialize)]
-struct Document<'a> {
-    #[serde(flatten)]
-    summary: Summary<'a>,
-    schema: u32,
-    facts: &'a [Statement],
-    files: Vec<OfFile<'a>>,
-    program: Option<OfProgram<'a>>,
-    job: &'a [JobKey],
-    examples: Vec<&'a str>,
+    print.outcome(|| Screen::of(profile_text(&profile)), || document(&profile))
 }
 
 #[derive(Serialize)]
@@ -146,31 +129,21 @@ struct OfFile<'a> {
     template: &'a str,
 }
 
-/// How its part programs are written.
-#[derive(Serialize)]
-struct OfProgram<'a> {
-    language: Language,
-    template: &'a str,
-    facts: &'a [Statement],
-}
-
-impl Document<'_> {
-    fn of(profile: &Profile) -> Document<'_> {
-        let program = profile.program.as_ref().map(|of| OfProgram {
-            language: of.language,
-            template: &of.template.name,
-            facts: &of.statements,
-        });
-        Document {
-            summary: Summary::of(profile),
-            schema: 1,
-            facts: &profile.statements,
-            files: files_of(profile).collect(),
-            program,
-            job: &profile.job_keys,
-            examples: profile.examples.iter().map(|own| own.source.as_str()).collect(),
-        }
-    }
+/// A profile, as scripts read it.
+fn document(profile: &Profile) -> Value {
+    let program = profile.program.as_ref().map(|of| {
+        json!({ "language": of.language, "template": of.template.name, "facts": of.statements })
+    });
+    let examples = profile.examples.iter().map(|own| &own.source);
+    let facts = json!({
+        "schema": 1,
+        "facts": profile.statements,
+        "files": files_of(profile).collect::<Vec<_>>(),
+        "program": program,
+        "job": profile.job_keys,
+        "examples": examples.collect::<Vec<_>>(),
+    });
+    flat([json!(Summary::of(profile)), facts])
 }
 
 fn files_of(profile: &Profile) -> impl Iterator<Item = OfFile<'_>> {
@@ -248,7 +221,7 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
         profile.id,
         kit.files.len()
     );
-    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || Document::of(&profile))?;
+    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || document(&profile))?;
     Ok(outcome.saying(print.detail, valid))
 }
 

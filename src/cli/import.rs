@@ -7,11 +7,12 @@ use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{self, Imported, Kind, List, encoding_word, fill, squareness_lines};
 use crate::kit::manifest::HashedFile;
 use crate::quantity::{Diagonal, Direction};
-use crate::text::{Finding, Named, Problems, Severity, Source, of_severity};
+use crate::text::{Named, Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};
 use crate::visit::job_files::Given;
 use clap::Args;
 use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 // Options of `import`. What a file does not carry has to be stated; see docs/measuring.md §5.
@@ -58,56 +59,38 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let imported =
         import::import(file.measurement(), options.from, options.encoding, &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
-    let document = Document {
-        schema: 1,
-        source: &file.hash,
-        format: word(imported.format),
-        output: with_slashes(place),
-        stated: options.stated.given().into_iter().collect(),
-        facts: of_severity(&imported.findings, Severity::Label),
-        warnings: of_severity(&imported.findings, Severity::Note),
-        series: imported.draft.series.iter().map(OfSeries::of).collect(),
-        squareness_um_per_m: imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect(),
-    };
+    let format = word(imported.format);
+    let [facts, warnings] =
+        [Severity::Label, Severity::Note].map(|of| of_severity(&imported.findings, of));
+    let series: Vec<OfSeries> = imported.draft.series.iter().map(OfSeries::of).collect();
+    let squareness = imported.squareness.iter().map(|s| (s.pair, s.um_per_m));
+    let document = json!({
+        "schema": 1,
+        "source": file.hash,
+        "format": format,
+        "output": with_slashes(place),
+        "stated": Named::from_iter(options.stated.given()),
+        "facts": facts,
+        "warnings": warnings,
+        "series": series,
+        "squareness_um_per_m": Named::from_iter(squareness),
+    });
     let next = format!(
         "\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
         file_name(place)
     );
     // What the file says, what was done with it, what belongs into the job.
-    let facts = document.facts.iter().map(|fact| format!("\n{fact}"));
+    let facts = facts.iter().map(|fact| format!("\n{fact}"));
     let screen = || Screen {
-        verdict: format!("read as {}{}", document.format, facts.collect::<String>()),
+        verdict: format!("read as {format}{}", facts.collect::<String>()),
         figures: paragraphs(&[
-            series_table(&imported, &document.series),
+            series_table(&imported, &series),
             squareness_lines(&imported.squareness).join("\n"),
         ]),
-        always: document.warnings.iter().map(|words| format!("warning: {words}")).collect(),
+        always: warnings.iter().map(|words| format!("warning: {words}")).collect(),
         ..Screen::default()
     };
     options.output.deliver(files, Some(held(imported.text.clone())), screen, || &document, &next)
-}
-
-/// The summary for scripts.
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: u32,
-    source: &'a HashedFile,
-    format: String,
-    output: String,
-    stated: Named<&'static str, String>,
-    facts: Vec<Finding>,
-    warnings: Vec<Finding>,
-    series: Vec<OfSeries>,
-    squareness_um_per_m: Named<&'static str, f64>,
-}
-
-/// The same of lists that fill in a form.
-#[derive(Serialize)]
-struct OfForm<'a> {
-    schema: u32,
-    format: &'static str,
-    lists: Vec<&'a HashedFile>,
-    stated: Named<&'static str, String>,
 }
 
 /// What a series holds.
@@ -161,12 +144,9 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let given: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
     let lists: Vec<List<'_>> = given.iter().map(|(of, file)| (*of, file.measurement())).collect();
     let text = fill(&form, &lists, options.encoding, &options.stated)?;
-    let document = OfForm {
-        schema: 1,
-        format: "list",
-        lists: given.iter().map(|(_, file)| &file.hash).collect(),
-        stated: options.stated.given().into_iter().collect(),
-    };
+    let hashes: Vec<&HashedFile> = given.iter().map(|(_, file)| &file.hash).collect();
+    let stated = Named::from_iter(options.stated.given());
+    let document = json!({ "schema": 1, "format": "list", "lists": hashes, "stated": stated });
     let screen = || Screen::of("every capture of the form has its value".to_string());
     options.output.deliver(files, Some(held(text)), screen, || document, "")
 }
