@@ -8,6 +8,7 @@ use crate::inputs::refusals;
 use crate::quantity::{Axis, Direction};
 use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem};
 use clap::{Args, ValueEnum};
+use std::ops::RangeInclusive;
 
 /// Formats that can be read, in the order of the documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -182,6 +183,16 @@ fn term_word(text: &str) -> Result<Component, String> {
 pub fn millimetres(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
     number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
+}
+
+/// A number within a range; beyond it a unit was mistaken.
+pub(crate) fn number(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    let (low, high) = (range.start(), range.end());
+    let found = number.filter(|number| range.contains(number));
+    found.ok_or_else(|| {
+        format!("expected a number from {low} to {high} {unit}, with a decimal point")
+    })
 }
 
 /// A fact that a file may not carry.
