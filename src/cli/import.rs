@@ -4,7 +4,7 @@ use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
-use crate::inputs::import::{self, Imported, Kind, List, encoding_word, fill, squareness_lines};
+use crate::inputs::import::{self, Imported, Kind, List, fill, squareness_lines};
 use crate::kit::manifest::HashedFile;
 use crate::quantity::{Diagonal, Direction};
 use crate::text::{Named, Problems, Severity, Source, of_severity};
@@ -37,13 +37,6 @@ pub(super) struct Options {
     /// With a form: that of PPN
     #[arg(long, value_name = "FILE", requires = "form")]
     ppn: Option<PathBuf>,
-    /// Format of the file [default: by what stands in it]
-    #[arg(long, value_name = "FORMAT")]
-    from: Option<import::Format>,
-    /// Encoding of its text, where it does not show: windows-1252 (= latin-1), windows-1250, gbk,
-    /// utf-16le, utf-16be or utf-8
-    #[arg(long, value_name = "ENCODING", value_parser = encoding_word)]
-    encoding: Option<&'static encoding_rs::Encoding>,
     #[command(flatten)]
     stated: Stated,
     #[command(flatten)]
@@ -56,8 +49,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     }
     options.output.ensure_new(files, "the error table")?;
     let file = Given::read(files, options.file.as_deref().unwrap_or(Path::new("-")))?;
-    let imported =
-        import::import(file.measurement(), options.from, options.encoding, &options.stated)?;
+    let imported = import::import(file.measurement(), &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
     let format = word(imported.format);
     let [facts, warnings] =
@@ -143,7 +135,7 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let lists = named.map(|(of, file)| Ok((of, Given::read(files, file)?)));
     let given: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
     let lists: Vec<List<'_>> = given.iter().map(|(of, file)| (*of, file.measurement())).collect();
-    let text = fill(&form, &lists, options.encoding, &options.stated)?;
+    let text = fill(&form, &lists, &options.stated)?;
     let hashes: Vec<&HashedFile> = given.iter().map(|(_, file)| &file.hash).collect();
     let stated = Named::from_iter(options.stated.given());
     let document = json!({ "schema": 1, "format": "list", "lists": hashes, "stated": stated });

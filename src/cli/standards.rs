@@ -70,7 +70,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             let stated = Stated { unit: options.unit, values: options.values };
             (Runs::read(&file.source()?, stated)?, Vec::new())
         }
-        FileKind::Rtl => measured_runs(file.measurement(), options.encoding, &options.stated())?,
+        FileKind::Rtl => measured_runs(file.measurement(), &options.stated())?,
     };
     let page = AxisPage::of(&file.name, &runs, options.travel_mm, facts)?;
     options.shows.outcome(files, || page.screen(), || &page, |locale| page.picture(locale))
@@ -95,6 +95,7 @@ pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems>
 impl Options {
     fn stated(&self) -> stated::Stated {
         stated::Stated {
+            encoding: self.encoding,
             sign: self.sign,
             targets_run: self.targets_run,
             runs: self.runs,

@@ -29,22 +29,13 @@ use std::collections::HashMap;
 pub type List<'a> = (Option<Diagonal>, Measurement<'a>);
 
 /// Fills a form in, and gives its text; everything that is wrong is told at once.
-pub fn fill(
-    source: &Source,
-    lists: &[List<'_>],
-    encoding: Option<&'static encoding_rs::Encoding>,
-    stated: &Stated,
-) -> Result<String, Problems> {
+pub fn fill(source: &Source, lists: &[List<'_>], stated: &Stated) -> Result<String, Problems> {
     let intake = Intake::of(source, stated, Format::List);
-    let text = filled(&intake, lists, encoding);
+    let text = filled(&intake, lists);
     intake.end(text).map(|(text, _)| text)
 }
 
-fn filled(
-    intake: &Intake<'_>,
-    lists: &[List<'_>],
-    encoding: Option<&'static encoding_rs::Encoding>,
-) -> Option<String> {
+fn filled(intake: &Intake<'_>, lists: &[List<'_>]) -> Option<String> {
     let (source, stated) = (intake.source, intake.stated);
     let column = intake.notes.take(list_column(stated));
     let counting = intake.settled(&CAPTURES, None, stated.captures);
@@ -53,7 +44,7 @@ fn filled(
     form.with_targets = form.of_axis && column.1.content == DISPLACEMENT;
     form.refuse_other_lists(lists, intake);
     for (of, file) in lists {
-        let taken = text_of(*file, encoding, stated).and_then(|(list, _)| {
+        let taken = text_of(*file, stated).and_then(|(list, _)| {
             Ok(form.take(*of, &captures(&column, &list, stated.decimal)?, counting)?)
         });
         intake.notes.take(taken);

@@ -57,7 +57,6 @@ fn word(encoding: &'static Encoding) -> String {
 /// stated, the ending of the name says nothing: the file may be the CSV that was asked for.
 pub(super) fn text_of(
     file: Measurement<'_>,
-    encoding: Option<&'static Encoding>,
     stated: &Stated,
 ) -> Result<(Source, String), Problems> {
     let ending = file.name.rsplit_once('.').map_or("", |(_, ending)| ending);
@@ -70,7 +69,7 @@ pub(super) fn text_of(
     if stated.sheet.is_some() {
         return Err(refusals::no_spreadsheet(file.path).into());
     }
-    let (encoding, known_by) = encoding_of(file, encoding)?;
+    let (encoding, known_by) = encoding_of(file, stated.encoding)?;
     let (text, is_broken) = encoding.decode_with_bom_removal(file.bytes);
     let tells = stated.columns.is_none() || is_broken;
     refuse_kind(file.path, stated_kind(&text).unwrap_or(if tells { ending } else { "" }))?;

@@ -45,10 +45,9 @@ const POSITIONING: Component = Component { kind: Kind::Deviation(Axis::X), along
 /// limits the targets keep the coordinates of the file: no figure depends on where they are
 pub fn measured_runs(
     file: Measurement<'_>,
-    stated_encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
 ) -> Result<(target_runs::Runs, Vec<Finding>), Problems> {
-    let (source, name) = text_of(file, stated_encoding, &Stated::default())?;
+    let (source, name) = text_of(file, stated)?;
     let intake = Intake::of(&source, stated, Format::Rtl);
     intake.say([ImportFinding::Encoding { name }]);
     let runs = runs_of(&intake);

@@ -4,10 +4,12 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::Component;
+use crate::inputs::import::encoding_word;
 use crate::inputs::refusals;
 use crate::quantity::{Axis, Direction};
 use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem};
 use clap::{Args, ValueEnum};
+use encoding_rs::Encoding;
 use std::ops::RangeInclusive;
 
 /// Formats that can be read, in the order of the documentation.
@@ -115,6 +117,13 @@ pub(super) fn described(format: Format) -> String {
 /// What was stated on the command line; `None` = nothing.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Stated {
+    /// Format of the file [default: by what stands in it]
+    #[arg(long, value_name = "FORMAT")]
+    pub from: Option<Format>,
+    /// Encoding of its text, where it does not show: windows-1252 (= latin-1), windows-1250, gbk,
+    /// utf-16le, utf-16be or utf-8
+    #[arg(long, value_name = "ENCODING", value_parser = encoding_word)]
+    pub encoding: Option<&'static Encoding>,
     /// The moving axis
     #[arg(long, value_parser = axis_word)]
     pub axis: Option<Axis>,
