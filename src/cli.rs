@@ -205,8 +205,7 @@ pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>)
 /// ```
 #[cfg(feature = "disk")]
 pub fn asked(question: &[u8]) -> Answered {
-    let run = |files: &dyn Files, words: &[&str]| answer(files, words.iter().copied());
-    batch::answered(question, Box::<disk::Disk>::default(), run)
+    batch::answered(question, Box::<disk::Disk>::default())
 }
 
 /// What a command answers, but for its standard output.

@@ -22,6 +22,7 @@ use crate::write::program::{
     programs, readings_to_fill,
 };
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Programs and positions of a run, judged; as a document it is `manifest.json`, and what `--format json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -36,7 +37,7 @@ pub struct ProgramKit {
     /// What went in.
     inputs: Vec<HashedFile>,
     #[serde(rename = "files")]
-    listed: Vec<Listed>,
+    listed: Vec<Value>,
     /// How many readings are taken.
     pub readings: usize,
     duration_s: f64,
@@ -60,25 +61,14 @@ pub struct ProgramKit {
 }
 
 /// A file of the list; positions and readings belong to no single program.
-#[derive(Clone, Debug, Serialize)]
-struct Listed {
-    path: String,
-    role: FileRole,
-    of: Option<String>,
-    readings: Option<usize>,
-    sha256: String,
-}
-
-impl Listed {
-    fn of((file, program): (&ProgramFile, Option<&SetUpProgram>)) -> Listed {
-        Listed {
-            path: file.path.clone(),
-            role: file.role,
-            of: program.map(|program| program.subject.to_string()),
-            readings: program.map(|program| program.readings.len()),
-            sha256: sha256(&file.bytes),
-        }
-    }
+fn listed((file, program): (&ProgramFile, Option<&SetUpProgram>)) -> Value {
+    json!({
+        "path": file.path,
+        "role": file.role,
+        "of": program.map(|program| program.subject.to_string()),
+        "readings": program.map(|program| program.readings.len()),
+        "sha256": sha256(&file.bytes),
+    })
 }
 
 /// Sizes on the mirror, to a micrometre.
@@ -93,7 +83,7 @@ impl ProgramKit {
     /// The same without readings to be filled in: there is a table for them already.
     pub(crate) fn without_form(mut self) -> ProgramKit {
         self.files.retain(|file| file.role != FileRole::Readings);
-        self.listed.retain(|file| file.role != FileRole::Readings);
+        self.listed.truncate(self.files.len()); // they are the last
         self
     }
 
@@ -122,7 +112,7 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
         unit: run.resolution.unit,
         overrun: request.runs_over(),
         inputs: inputs.to_vec(),
-        listed: files.iter().zip(programs).map(Listed::of).collect(),
+        listed: files.iter().zip(programs).map(listed).collect(),
         readings: run.programs.iter().map(|program| program.readings.len()).sum(),
         duration_s: run.duration_s(&request).round(),
         reach_mm: reach.collect(),
