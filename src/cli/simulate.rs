@@ -59,10 +59,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
     let inputs = inputs::read_job(files, machine, &job, UseOf::Tables)?;
     let (wishes, noise) = (options.wishes, options.wishes.noise);
-    let rehearsal = match options.errors {
-        true => None,
-        false => Some(Rehearsal::of(&inputs, wishes)?),
-    };
+    let rehearsal = if options.errors { None } else { Some(Rehearsal::of(&inputs, wishes)?) };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
     origin.notes.extend(rehearsal.iter().flat_map(|rehearsal| rehearsal.notes.iter().cloned()));

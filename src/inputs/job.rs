@@ -104,10 +104,7 @@ impl Job {
     /// other key is that of the first job.
     pub(crate) fn read_second(source: Source, first: &Job) -> Result<Job, Problems> {
         refuse_table(&source)?;
-        let below: &[&str] = match states(&source, "machine") {
-            true => &[],
-            false => &[&first.source.text],
-        };
+        let below: &[&str] = if states(&source, "machine") { &[] } else { &[&first.source.text] };
         let read = |root: &Section<'_>| job(root, UseOf::Tables);
         let (job, source) = read_page_over(source, below, lay_over, read)?;
         Ok(Job { source, ..job })

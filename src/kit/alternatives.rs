@@ -165,10 +165,7 @@ fn for_all(own: &Policies) -> Vec<Policies> {
 /// The policies that a job could state instead: of one for all axes every other one; of one for each axis
 /// every other one for one of them.
 pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
-    match own.x.is_some() && one_for_all(own) {
-        true => for_all(own),
-        false => for_one(own),
-    }
+    if own.x.is_some() && one_for_all(own) { for_all(own) } else { for_one(own) }
 }
 
 /// Every other policy for one axis, the other axes as stated.

@@ -96,10 +96,7 @@ impl Begun {
 
     /// What `verify --after` takes.
     pub const fn after(&self) -> &'static str {
-        match self.readings {
-            true => AFTER_JOB,
-            false => AFTER,
-        }
+        if self.readings { AFTER_JOB } else { AFTER }
     }
 }
 

@@ -110,10 +110,7 @@ pub(crate) fn refuse_long_lines(name: &str, text: &str) -> Result<(), Problem> {
 
 /// Refuses a page that is larger than anybody writes.
 pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
-    match bytes <= LARGEST_PAGE {
-        true => Ok(()),
-        false => Err(refused::large_page(name, LARGEST_PAGE >> 10)),
-    }
+    if bytes <= LARGEST_PAGE { Ok(()) } else { Err(refused::large_page(name, LARGEST_PAGE >> 10)) }
 }
 
 /// The text of a template: a page, too.

@@ -126,10 +126,8 @@ impl<'a> Form<'a> {
 
     /// A form of diagonals takes a list of each, that of an axis one.
     fn refuse_other_lists(&self, lists: &[List<'_>], intake: &Intake<'_>) {
-        let wanted: Vec<Option<Diagonal>> = match self.of_axis {
-            true => vec![None],
-            false => Diagonal::ALL.map(Some).to_vec(),
-        };
+        let wanted: Vec<Option<Diagonal>> =
+            if self.of_axis { vec![None] } else { Diagonal::ALL.map(Some).to_vec() };
         let refuse = |of: &Option<Diagonal>, words: &str| {
             let name = of.map(|of| format!("`--{} FILE`", of.name().to_ascii_lowercase()));
             let name = name.unwrap_or("FILE alone".to_string());
@@ -222,10 +220,8 @@ impl<'a> Form<'a> {
 
     /// The form with its values; comments say where they are from.
     fn text(&self, form: &Source, column: &Column, own: impl Iterator<Item = String>) -> String {
-        let (heading, factor) = match self.of_axis {
-            true => ("deviation_um", 1.0),
-            false => (&*column.name, column.factor()),
-        };
+        let (heading, factor) =
+            if self.of_axis { ("deviation_um", 1.0) } else { (&*column.name, column.factor()) };
         let kept = form.text.lines().filter(|line| line.starts_with('#'));
         let kept = kept.map(|line| plain::comment(line.strip_prefix("# ").unwrap_or(&line[1..])));
         let own = own.map(|words| plain::comment(&words));
@@ -267,10 +263,7 @@ fn told(located: Option<Located>, name: impl Fn(usize) -> String) -> (Option<usi
         true => format!("one of {count} from {} to {}", name(first), name(last)),
         false => places.iter().map(|place| name(*place)).collect::<Vec<_>>().join(" or "),
     };
-    let odds = match odds > CERTAIN {
-        true => "more than 10⁹".to_string(),
-        false => format!("{odds:.0}"),
-    };
+    let odds = if odds > CERTAIN { "more than 10⁹".to_string() } else { format!("{odds:.0}") };
     let words = format!("most likely it is {names}, {odds} : 1 against any other place; {AGAIN}");
     (places.first().copied(), words)
 }

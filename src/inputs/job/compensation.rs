@@ -26,10 +26,7 @@ pub enum UseOf {
 impl UseOf {
     /// Figures, with tables beside them or without.
     pub const fn with(tables: bool) -> UseOf {
-        match tables {
-            true => UseOf::Tables,
-            false => UseOf::Figures,
-        }
+        if tables { UseOf::Tables } else { UseOf::Figures }
     }
 
     /// Whether a key has to be filled in for it; `key` = its dotted path, entries of a list without number.

@@ -222,10 +222,7 @@ fn emptied(source: &Source) -> String {
     let separator = char::from(header.delimiter()).to_string();
     let row = |cells: Vec<std::borrow::Cow<'_, str>>| {
         let kept = names.iter().zip(cells);
-        let kept = kept.map(|(name, cell)| match PLACE.contains(&&**name) {
-            true => cell,
-            false => "".into(),
-        });
+        let kept = kept.map(|(name, cell)| if PLACE.contains(&&**name) { cell } else { "".into() });
         kept.collect::<Vec<_>>().join(&separator)
     };
     let rows = rows.iter().map(|line| row(line.cells()));
