@@ -285,12 +285,11 @@ fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) ->
         Err(other) => Value::from(other.into_bytes()),
     };
     let document = serde_json::from_slice(&answer.out);
-    let said = if answer.status == 2 { answer.err.as_str() } else { "" };
     let line = Line {
         id,
         document: document.unwrap_or_else(|_| text(answer.out.clone())),
         problems: &answer.problems,
-        said,
+        said: if answer.status == 2 { answer.err.as_str() } else { "" },
         files: files.into_iter().map(|(name, bytes)| (name, text(bytes))).collect(),
     };
     // What is derived has only keys that are words.
@@ -326,8 +325,7 @@ fn memory(
         };
         held.push((name, bytes));
     }
-    let held = held.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-    Ok((Memory::of(held), path))
+    Ok((Memory::of(held.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))), path))
 }
 
 /// Columns as a table (CSV); `null` = an empty cell. `remarks` are its comments.

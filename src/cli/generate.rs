@@ -128,8 +128,7 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
 /// The checklist of a kit: of several that say the same the last one, which is the page to be printed.
 fn checklist(kit: &Kit) -> Option<&str> {
     let mut files = kit.files.iter().rev();
-    let found = files.find(|file| file.role == Role::Checklist);
-    found.map(|file| file.path.as_str())
+    files.find(|file| file.role == Role::Checklist).map(|file| file.path.as_str())
 }
 
 /// Archive, what switches off, and where the order of loading stands.

@@ -114,8 +114,7 @@ fn series_table(imported: &Imported, all: &[OfSeries]) -> String {
     let rows = imported.draft.series.iter().zip(all).map(|(series, of)| {
         let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
         let (from, to, travel) = (end(of.from_mm), end(of.to_mm), of.direction.unwrap_or("both"));
-        let is_deviation = |kind: &Kind| matches!(kind, Kind::Deviation(_));
-        let has_u = series.uncertainties.keys().any(is_deviation);
+        let has_u = series.uncertainties.keys().any(|kind| matches!(kind, Kind::Deviation(_)));
         let u = if has_u { "yes" } else { "not stated" };
         let (points, terms) = (of.points, of.terms.join(" "));
         format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)

@@ -95,8 +95,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         always: words,
         ..Screen::default()
     };
-    let stages = stages.iter();
-    let stages = stages.map(|(words, all)| format!("{words}\n    {}", all.join("\n    ")));
+    let stages = stages.iter().map(|(words, all)| format!("{words}\n    {}", all.join("\n    ")));
     let stages: Vec<String> = stages.collect();
     let (place, names) = (printed(directory), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n  {}", stages.join("\n  "));

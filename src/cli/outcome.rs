@@ -263,8 +263,7 @@ impl Plot {
         };
         let texts = Texts::english()?;
         let locale = Locale { texts: &texts, shown: Shown::Metric };
-        let bytes = picture(locale).svg(locale).into_bytes();
-        Ok(outcome.writing(files.write(place, &bytes, force)?))
+        Ok(outcome.writing(files.write(place, &picture(locale).svg(locale).into_bytes(), force)?))
     }
 }
 

@@ -210,18 +210,16 @@ impl VisitPlan<'_> {
                 um(visit.at_most_um())
             )
         };
-        let rows = self.visits.iter().enumerate().map(row);
         table(
             "\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes",
-            rows,
+            self.visits.iter().enumerate().map(row),
         )
     }
 }
 
 /// a, b, c …
 fn letter(index: usize) -> String {
-    let letters = ('a'..='z').nth(index);
-    letters.map_or_else(|| index.to_string(), String::from)
+    ('a'..='z').nth(index).map_or_else(|| index.to_string(), String::from)
 }
 
 fn or_dash(words: String) -> String {

@@ -72,9 +72,8 @@ impl Table {
 }
 
 fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
-    let heading = format!("{} - {control}: {}", job.machine.name, kit.request.what.word());
     Screen {
-        verdict: heading,
+        verdict: format!("{} - {control}: {}", job.machine.name, kit.request.what.word()),
         figures: paragraphs(&[
             motion(kit),
             not_determined(job, kit),
@@ -130,8 +129,7 @@ fn not_determined(job: &Job, kit: &ProgramKit) -> String {
 }
 
 fn files(kit: &ProgramKit) -> String {
-    let programs = kit.run.programs.iter().zip(&kit.files);
-    let rows = programs.map(|(program, file)| {
+    let rows = kit.run.programs.iter().zip(&kit.files).map(|(program, file)| {
         let (subject, readings) = (program.subject, program.readings.len());
         format!("{}\t{subject}\t{readings}", file.path)
     });

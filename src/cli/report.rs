@@ -3,7 +3,6 @@
 use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::Screen;
 use crate::cli::{assess, standards, verify};
-use crate::control::claims::Assumption;
 use crate::control::controller::Template;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
@@ -141,8 +140,7 @@ fn with_tables(
     let said = |findings: &[Finding]| findings.iter().map(ToString::to_string).collect();
     visit.doubts = said(page.doubts());
     visit.disagreements = said(&page.verification.disagreements());
-    let matter = |assumed: &&Assumption| assumed.without_effect.is_none();
-    let assumed = page.assumptions().iter().filter(matter);
+    let assumed = page.assumptions().iter().filter(|assumed| assumed.without_effect.is_none());
     visit.assumptions = assumed.cloned().collect();
     visit.is_sign_shown = page.sign_shown().is_some();
     visit.is_measured = options.after.is_some();
@@ -167,8 +165,7 @@ impl Visit {
     fn found(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
         let (page, model) = (assess::for_report(inputs, None)?, inputs.as_measured());
         let doubts = page.doubts().iter().cloned();
-        let doubts = doubts.chain(model.doubts(|_| true));
-        let doubts = doubts.map(|doubt| doubt.to_string());
+        let doubts = doubts.chain(model.doubts(|_| true)).map(|doubt| doubt.to_string());
         let doubts = doubts.collect::<BTreeSet<_>>().into_iter().collect();
         let is_rehearsal = model.remarks.simulated().next().is_some();
         let mut visit = Visit { is_rehearsal, doubts, ..Visit::default() };
@@ -196,8 +193,7 @@ impl Visit {
         let file = Given::read(files, file)?;
         let page = standards::of_axis(&file)?;
         self.linear.push(file.hash.path.clone());
-        let name = linear_document(self.linear.len());
-        self.add(&name, &page, ("linear", page.picture(locale)))?;
+        self.add(&linear_document(self.linear.len()), &page, ("linear", page.picture(locale)))?;
         self.inputs.push(file.hash);
         Ok(())
     }
@@ -290,8 +286,7 @@ fn is_jpeg(bytes: &[u8]) -> bool {
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
             return true;
         }
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        rest = rest.get(2 + length..).unwrap_or_default();
+        rest = rest.get(2 + usize::from(u16::from_be_bytes([high, low]))..).unwrap_or_default();
     }
     false
 }

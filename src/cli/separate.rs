@@ -15,7 +15,7 @@ use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
 use crate::machine::standards::{Diagonals, by_standard, repeatability_um};
-use crate::page::{Locale, separated};
+use crate::page::separated;
 use crate::quantity::{
     Axis, Diagonal, Direction, Listed, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Run, Volume,
     picometres,
@@ -66,8 +66,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let plan = Trials { trials: options.trials, seed: options.seed };
     let simulated = || simulate(&separation, plan, files.progress(plan.trials));
     let simulated = (plan.trials > 0).then(simulated).flatten();
-    let csv = || held(error_table::write(&campaign.draft(&separation)));
-    let csv = output.is_asked_for().then(csv);
+    let csv = output.is_asked_for().then(|| held(error_table::write(&campaign.draft(&separation))));
     let figures = by_standard(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
     let found = (&separation, &figures, simulated.as_ref());
     // Nothing is asked for under an assumed set-up.
@@ -78,13 +77,10 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let document = || of_steps(found, &advice);
     let outcome = output.deliver(files, csv, || text::screen(found, &advice), document, "")?;
     // No, where an error is not determined or something contradicts the result.
-    let outcome = outcome.answering(separation.stands());
-    let picture = |locale: Locale<'_>| {
+    options.plot.beside(files, outcome.answering(separation.stands()), output.force, |locale| {
         let words = locale.words("nine_errors_separated");
-        let heading = format!("{}: {words}", campaign.job.machine.name);
-        separated(locale, &heading, &separation)
-    };
-    options.plot.beside(files, outcome, output.force, picture)
+        separated(locale, &format!("{}: {words}", campaign.job.machine.name), &separation)
+    })
 }
 
 fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {
@@ -100,8 +96,7 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
     let (open, advice) = (result.metric.undetermined(), advice(&result.metric));
     let screen = || straight_screen(&result, &figures, (&open, &advice));
     let document = || of_straight(&result, &figures, (&open, &advice));
-    let outcome = options.output.print.outcome(screen, document)?;
-    Ok(outcome.answering(result.doubts.is_empty()))
+    Ok(options.output.print.outcome(screen, document)?.answering(result.doubts.is_empty()))
 }
 
 /// Of step diagonals; `advice`: what would determine what is open.
@@ -113,8 +108,7 @@ fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Value {
     let (rank, unknowns) = of.rank();
     let noise = of.noise.map(|noise| {
         let test = closure.test(&noise);
-        let test = json!({ "closure_probability": test.map(|test| test.probability) });
-        flat([of_noise(noise), test])
+        flat([of_noise(noise), json!({ "closure_probability": test.map(|test| test.probability) })])
     });
     let diagonals = (&of.volume, &of.end_um, Some(of.runs.as_slice()), None);
     known(json!({

@@ -84,9 +84,8 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
         let without = if t.term.is_positioning() { reversal.as_str() } else { "" };
         format!("{}\t{}\t{place}{without}", t.term, figures(&t.change))
     });
-    let missing = forecast.not_determined.iter();
     let is_kept = |term| placements.iter().any(|p| p.term == term);
-    let missing = missing.map(|term| {
+    let missing = forecast.not_determined.iter().map(|term| {
         let place = places(placements, *term, is_kept(*term));
         format!("{term}\tnot determined\t-\t-\t{place}")
     });
@@ -260,8 +259,7 @@ pub(super) fn questions(notes: &[Finding]) -> impl Iterator<Item = String> {
 
 /// Notes as findings.
 pub(super) fn notes(notes: impl IntoIterator<Item = impl Display>) -> Vec<String> {
-    let notes = notes.into_iter();
-    notes.map(|note| format!("note: {note}")).collect()
+    notes.into_iter().map(|note| format!("note: {note}")).collect()
 }
 
 /// What documents say of a plane.

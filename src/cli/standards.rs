@@ -81,8 +81,7 @@ pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems>
     let kind = file.kind();
     if kind != FileKind::Table {
         let (name, is) = (&file.name, kind.words());
-        let words = format!("`{name}` is {is}, expected runs of one axis (CSV)");
-        return Err(Problem::new(words)
+        return Err(Problem::new(format!("`{name}` is {is}, expected runs of one axis (CSV)"))
             .help("a table of targets and runs as in docs/interface.md §2.4")
             .into());
     }

@@ -68,8 +68,7 @@ impl<'a> Page<'a> {
         directory: &Path,
         after: Option<&Path>,
     ) -> Result<Page<'a>, Problems> {
-        let second = after.map(|path| Second::read(files, inputs, path, directory));
-        let second = second.transpose()?;
+        let second = after.map(|path| Second::read(files, inputs, path, directory)).transpose()?;
         let verification = read_directory(files, inputs, directory)?.verify(inputs)?;
         let second = second.map(|second| {
             second.ensure_active(inputs, &verification.loaded)?;
@@ -104,8 +103,7 @@ impl Page<'_> {
 
     /// What the figures are of: the machine as left, else the forecast.
     fn judged(&self) -> Option<&Forecast> {
-        let as_left = self.look().map(|look| &look.comparison.as_left);
-        as_left.or(self.verification.forecast.as_ref())
+        self.look().map(|look| &look.comparison.as_left).or(self.verification.forecast.as_ref())
     }
 
     pub(super) fn doubts(&self) -> &[Finding] {
@@ -189,8 +187,7 @@ impl Page<'_> {
 
     /// What the verdict is made of.
     pub(super) fn grounds(&self) -> Grounds {
-        let judged = self.judged();
-        judged.map_or_else(Grounds::default, |of| of.grounds(&self.inputs.job))
+        self.judged().map_or_else(Grounds::default, |of| of.grounds(&self.inputs.job))
     }
 
     fn squareness(&self) -> Named<&'static str, PlaneFigures> {
@@ -245,8 +242,7 @@ impl Page<'_> {
     fn simulated(&self) -> [bool; 2] {
         let first = self.inputs.as_measured().remarks.simulated().next();
         let second = self.second.as_ref();
-        let second = second.is_some_and(|(second, _)| second.measurement.is_simulated());
-        [first.is_some(), second]
+        [first.is_some(), second.is_some_and(|(second, _)| second.measurement.is_simulated())]
     }
 
     /// Said where both measurements were simulated.
@@ -370,8 +366,7 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     let mut lines = vec![format!("NOT AS FORECAST: {off}")];
     lines.extend(likely.lines().map(str::to_string));
     let is_off = |term: &&Finding| !matches!(term.kind(), Some(OfTerm::AsForecast { .. }));
-    let off = found.by_term.iter().filter(is_off);
-    let off = off.filter(|_| look.lost_motion.is_none());
+    let off = found.by_term.iter().filter(is_off).filter(|_| look.lost_motion.is_none());
     lines.extend(off.map(|words| format!("  {words}")));
     lines.extend(found.decides.iter().map(|words| format!("to decide: {words}")));
     lines

@@ -198,10 +198,9 @@ pub fn keys() -> impl Iterator<Item = (&'static str, Key)> {
         ("program", ProgramRequest::KEYS),
         ("program", program::TargetKeys::KEYS),
     ];
-    let of = |(path, keys): (&'static str, &'static [Option<Key>])| {
+    sections.into_iter().flat_map(|(path, keys): (&'static str, &'static [Option<Key>])| {
         keys.iter().flatten().map(move |key| (path, *key))
-    };
-    sections.into_iter().flat_map(of)
+    })
 }
 
 /// The keys of a job, in the order in which it is read: an unknown one is told once.
@@ -211,8 +210,7 @@ const ROOT: [&str; 8] =
 fn ask_for_all(section: &Section<'_>, find: impl Fn(&str) -> Result<Profile, Problems>) {
     let profile = section.text("controller").and_then(|word| {
         let refuse = |own: &Problem| {
-            let help = own.help.clone().unwrap_or_default();
-            section.problem("controller", &own.message, help);
+            section.problem("controller", &own.message, own.help.clone().unwrap_or_default());
         };
         find(&word).map_err(|problems| problems.iter().for_each(refuse)).ok()
     });
@@ -266,8 +264,7 @@ fn lay_over<'a>(own: &mut DeTable<'a>, mut below: DeTable<'a>) {
             false if measured.contains_key("readings") => &["errors"],
             false => &[],
         };
-        let all = others.iter().chain(&OF_THE_DAY);
-        all.for_each(|key| _ = first.remove(*key));
+        others.iter().chain(&OF_THE_DAY).for_each(|key| _ = first.remove(*key));
         if let Some(DeValue::Table(run)) = first.get_mut("step_diagonal").map(|run| run.get_mut()) {
             OF_THE_RUN.iter().for_each(|key| _ = run.remove(*key));
         }

@@ -178,8 +178,7 @@ fn for_one(own: &Policies) -> Vec<Policies> {
             others
         })
     };
-    let others = stated.flat_map(with);
-    others.filter(|other| other != own).collect()
+    stated.flat_map(with).filter(|other| other != own).collect()
 }
 
 // What to change where a kit does not keep its limit: what other backlash policies would leave; and on a second
@@ -213,8 +212,7 @@ impl Left {
     fn of(forecast: &Forecast, asked: Acceptance) -> Left {
         let terms_um = asked.max_deviation_um.map(|_| forecast.max_residual_um());
         let diagonals = forecast.diagonals.iter().filter(|_| asked.max_diagonal_um.is_some());
-        let diagonals_um = diagonals.map(|d| d.change.after_um).reduce(larger);
-        Left { terms_um, diagonals_um }
+        Left { terms_um, diagonals_um: diagonals.map(|d| d.change.after_um).reduce(larger) }
     }
 
     /// By how much the worst of them exceeds its limit, µm; below 0 where all keep theirs.
@@ -224,8 +222,7 @@ impl Left {
             over(self.terms_um, asked.max_deviation_um),
             over(self.diagonals_um, asked.max_diagonal_um),
         ];
-        let worst = all.into_iter().flatten().reduce(f64::max);
-        worst.unwrap_or(f64::INFINITY)
+        all.into_iter().flatten().reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 
     fn words(self) -> String {
@@ -266,8 +263,7 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
     let none: Vec<ErrorTerm> = none.into_iter().map(|t| t.term).collect();
     let largest_um = grid.iter().map(|term| grid_um(*term)).fold(0.0, larger);
     let grid = (!grid.is_empty()).then_some(Way::Grid { terms: grid, largest_um });
-    let none = (!none.is_empty()).then_some(Way::NoTable { terms: none });
-    grid.into_iter().chain(none).collect()
+    grid.into_iter().chain((!none.is_empty()).then_some(Way::NoTable { terms: none })).collect()
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.

@@ -129,8 +129,7 @@ fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
 /// What was printed when the kit was made, for the person who has only this page; it stands in the annex.
 fn about(made: &Made<'_>, misses: &[Miss]) -> Vec<String> {
     let misses = misses.iter().map(ToString::to_string);
-    let known = remarks(&made.plan, &made.compiled, Some(&made.forecast));
-    misses.chain(known).collect()
+    misses.chain(remarks(&made.plan, &made.compiled, Some(&made.forecast))).collect()
 }
 
 /// What misses the acceptance, the worst first.
@@ -203,8 +202,7 @@ fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
     let at = |place: Millimetres| response.correction(place).um().abs();
     let there = reference.map_or(0.0, at);
     let nodes = response.tables().iter().flat_map(|table| table.nodes());
-    let largest = nodes.map(|(place, _)| at(place)).fold(there, f64::max);
-    (largest, there)
+    (nodes.map(|(place, _)| at(place)).fold(there, f64::max), there)
 }
 
 /// Where each term goes: what is overwritten.

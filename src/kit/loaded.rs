@@ -118,8 +118,7 @@ impl<'a> Loaded<'a> {
         findings.extend(before.iter().flat_map(contents::surroundings));
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
-                let differs = compare(plan, wanted.as_ref(), found.as_ref());
-                findings.extend(differs.findings);
+                findings.extend(compare(plan, wanted.as_ref(), found.as_ref()).findings);
             }
             Err(reason) => findings.push(not_emulated(reason)),
         }
@@ -147,8 +146,7 @@ impl<'a> Loaded<'a> {
     /// What the tables will leave in the control.
     pub(super) fn forecast(&self, effect: &Field) -> Forecast {
         let Asked { inputs, plan, .. } = &self.asked;
-        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
-        forecast(inputs.machine(), plan, effect, &ranges)
+        forecast(inputs.machine(), plan, effect, &judged_ranges(&inputs.job, inputs.as_measured()))
     }
 
     /// Where the tables come from, in words.
@@ -316,8 +314,7 @@ impl Made<'_> {
         let Asked { plan, mut compiled, .. } = loaded.asked;
         compiled.notes.extend(loaded.findings);
         if inputs.profile.comments.value.are_allowed() {
-            let names = emit::other_letters(&inputs.job, &inputs.profile.name);
-            compiled.notes.extend(names);
+            compiled.notes.extend(emit::other_letters(&inputs.job, &inputs.profile.name));
         }
         let doubts = [doubts(inputs), loaded.unread.into_iter().collect()].concat();
         let verdict = judged(&forecast, inputs, &doubts);

@@ -163,8 +163,7 @@ fn walk_file(
 ) -> Result<Walked, Problems> {
     let words = OwnWords { letters: &facts.axis_letters.value, seconds: facts.dwell_address() };
     let steps = read(facts.language, &words, &file.path, &file.bytes)?;
-    let text = String::from_utf8_lossy(&file.bytes);
-    walk((&file.path, &text), &steps, rows, bounds)
+    walk((&file.path, &String::from_utf8_lossy(&file.bytes)), &steps, rows, bounds)
 }
 
 fn bounds(task: RunTask<'_>) -> Bounds {
@@ -182,8 +181,7 @@ fn bounds(task: RunTask<'_>) -> Bounds {
 fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     let RunTask { facts, request, .. } = task;
     let unit = task.resolution().unit;
-    let assumed = facts.statements_of(unit).filter(|s| s.evidence == Evidence::Assumed);
-    let assumed = assumed.map(|s| {
+    let assumed = facts.statements_of(unit).filter(|s| s.evidence == Evidence::Assumed).map(|s| {
         let consequence = s.consequence.clone().unwrap_or_default();
         Assumption::of_job(format!("program.{}", s.fact), s.value.clone(), consequence)
     });
@@ -264,11 +262,10 @@ fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
     match (row.of, request.what.path()) {
         (LaserPath::Diagonal(diagonal), Some(kind)) => {
             let place = request.volume.place(diagonal, kind, row.node);
-            let nominal = request.volume.nominal_mm(diagonal, kind, row.node);
             let moved =
                 (kind == PathKind::Step && row.node > 0).then(|| request.volume.moved(row.node));
             moved == row.moved
-                && close(row.nominal_mm, nominal, 1e-6)
+                && close(row.nominal_mm, request.volume.nominal_mm(diagonal, kind, row.node), 1e-6)
                 && place.iter().all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
         }
         (LaserPath::Axis(axis), None) => {

@@ -203,8 +203,7 @@ impl Rehearsal {
     pub fn arrived(&self, diagonal: Diagonal, pass: Pass, node: usize, axis: Axis) -> Direction {
         let DiagonalMeasurement { volume, kind, .. } = &self.measurement;
         let reversed = self.overrun || volume.steps_made(*kind, node, axis) < volume.steps;
-        let pass = if reversed { pass } else { Pass::Forward };
-        diagonal.travelled(axis, pass)
+        diagonal.travelled(axis, if reversed { pass } else { Pass::Forward })
     }
 
     /// Expansion that the separation takes off.

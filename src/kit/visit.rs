@@ -112,8 +112,7 @@ impl Visit<'_> {
 
     /// Steps of each axis: as asked for, else no longer than 50 mm where 30 are enough.
     fn steps(&self) -> u32 {
-        let longest = Axis::ALL.map(|axis| self.length(axis));
-        let longest = longest.into_iter().fold(0.0, f64::max);
+        let longest = Axis::ALL.map(|axis| self.length(axis)).into_iter().fold(0.0, f64::max);
         let [fewest, most] = STEPS;
         let usual = (fewest..most).find(|n| longest <= LONGEST_STEP_MM * f64::from(*n));
         self.steps.or(usual).unwrap_or(most)
@@ -220,8 +219,7 @@ impl Visit<'_> {
         };
         error_table(false, self.both_directions, |axis, way| {
             let is_own = way.is_some() == self.both_directions;
-            let steps = (0..=self.steps()).filter(|_| is_own);
-            steps.map(|step| at(axis, step)).collect()
+            (0..=self.steps()).filter(|_| is_own).map(|step| at(axis, step)).collect()
         })
     }
 
@@ -265,8 +263,7 @@ fn error_table(
         for way in [None, Some(Direction::Plus), Some(Direction::Minus)] {
             let sign = way.map_or("", Direction::symbol);
             let sign = if are_directed { format!(",{sign}") } else { String::new() };
-            let rows = mm(axis, way).into_iter();
-            text.extend(rows.map(|mm| {
+            text.extend(mm(axis, way).into_iter().map(|mm| {
                 let mm = millimetres(mm);
                 format!("{},{mm},,,{cells}{sign}\n", axis.key())
             }));

@@ -74,8 +74,7 @@ impl Source {
 
     /// The same as bytes of the text.
     pub(crate) fn span_of(&self, path: &str) -> Option<Range<usize>> {
-        let spot = self.spots.iter().find(|(own, _)| own == path)?;
-        Some(spot.1.clone())
+        Some(self.spots.iter().find(|(own, _)| own == path)?.1.clone())
     }
 
     /// A problem at a key, or at the nearest section above it that exists.

@@ -81,8 +81,7 @@ impl Serialize for Finding {
 
 /// The findings of one gravity.
 pub fn of_severity(findings: &[Finding], severity: Severity) -> Vec<Finding> {
-    let of = findings.iter().filter(|f| f.severity() == severity);
-    of.cloned().collect()
+    findings.iter().filter(|f| f.severity() == severity).cloned().collect()
 }
 
 /// Each item once, where it stands first; the work grows with their number, not with its square.
@@ -110,8 +109,7 @@ pub(crate) fn grouped<K: PartialEq, T>(
 
 /// `EXX, EYY`
 pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
-    let words = items.into_iter().map(|item| item.to_string());
-    words.collect::<Vec<String>>().join(", ")
+    items.into_iter().map(|item| item.to_string()).collect::<Vec<String>>().join(", ")
 }
 
 /// `1 row`, `2 rows`

@@ -56,8 +56,7 @@ impl Page {
         grid: GridChoice,
         request: &Request,
     ) -> Result<Page, Problem> {
-        let bare = inputs.under_tables.as_ref();
-        let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
+        let bare = inputs.under_tables.as_ref().map(|_| volume.with_errors_of(&inputs.model));
         let others = corrected.iter().map(|corrected| &corrected.volume).chain(&bare);
         let nodes = Grid::of(grid, &volume, &others.collect::<Vec<_>>())?;
         let mut basis = Basis::of(inputs, &volume);
@@ -111,8 +110,7 @@ impl Page {
             assessment: &after.figures,
         });
         let sides: Vec<Side<'_>> = std::iter::once(before).chain(after).collect();
-        let heading = format!("{}: {}", self.name, locale.words("errors_in_volume"));
-        volume(locale, &heading, &sides)
+        volume(locale, &format!("{}: {}", self.name, locale.words("errors_in_volume")), &sides)
     }
 
     /// The machine as it is, and as tables leave it.
@@ -218,10 +216,8 @@ fn said(remarks: &Remarks) -> impl Iterator<Item = Finding> {
     let missing = remarks.not_determined.iter();
     let missing =
         missing.map(|(term, why)| VolumeFinding::NotDetermined { term: *term, why: why.clone() });
-    let reversal = remarks.hidden_reversal_um;
-    let reversal = reversal.map(|um| ModelFinding::HiddenReversal { um }.into());
-    let missing = missing.map(Finding::from);
-    missing.chain(reversal).chain(remarks.notes.iter().cloned())
+    let reversal = remarks.hidden_reversal_um.map(|um| ModelFinding::HiddenReversal { um }.into());
+    missing.map(Finding::from).chain(reversal).chain(remarks.notes.iter().cloned())
 }
 
 /// Values that no machine tool has, which are more often a unit error.
@@ -232,21 +228,18 @@ fn doubts(job: &Job, model: &ErrorModel) -> impl Iterator<Item = Finding> {
     let angles = Rotation::all().filter_map(|rotation| {
         let curve = model.rotations[rotation].as_ref()?.mean();
         let (from, to) = curve.measured_range();
-        let largest = curve.largest_magnitude(from, to);
-        Some((rotation.to_string(), largest, "µrad", UNLIKELY_URAD))
+        Some((rotation.to_string(), curve.largest_magnitude(from, to), "µrad", UNLIKELY_URAD))
     });
     let squareness = job.measurement.squareness.iter().map(|(term, slope)| {
-        let name = Component::Squareness(*term).to_string();
-        (name, slope.abs(), "µm/m", UNLIKELY_URAD)
+        (Component::Squareness(*term).to_string(), slope.abs(), "µm/m", UNLIKELY_URAD)
     });
     let small = model.unlikely_small(job.measurement.uncertainty.noise_um);
-    let small = small.map(|why| VolumeFinding::Doubtful { why });
     deviations
         .chain(angles)
         .chain(squareness)
         .filter(|(_, largest, _, limit)| largest > limit)
         .map(|(name, largest, unit, limit)| VolumeFinding::Unlikely { name, largest, unit, limit })
-        .chain(small)
+        .chain(small.map(|why| VolumeFinding::Doubtful { why }))
         .map(Finding::from)
 }
 

@@ -72,10 +72,9 @@ fn nodes(page: &Page) -> String {
 
 /// The stated places that levers depend on.
 fn places(basis: &Basis) -> Option<String> {
-    let tool = basis.tool_offset_mm.map(|tool| {
-        let mm = PerAxis::from_fn(|axis| tool.0[axis].mm());
-        format!("tool offset {}", place(mm))
-    });
+    let tool = basis
+        .tool_offset_mm
+        .map(|tool| format!("tool offset {}", place(PerAxis::from_fn(|axis| tool.0[axis].mm()))));
     let some = |what: &str, places: PerAxis<Option<Millimetres>>| {
         let stated = places.iter();
         let stated = stated.filter_map(|(axis, at)| Some(format!("{axis} {}", short((*at)?.mm()))));
@@ -307,8 +306,7 @@ fn windows(page: &Page) -> String {
 }
 
 fn histogram(page: &Page) -> String {
-    let sides = page.sides().filter_map(|(_, of)| of.histogram.as_ref());
-    let sides: Vec<&Histogram> = sides.collect();
+    let sides: Vec<&Histogram> = page.sides().filter_map(|(_, of)| of.histogram.as_ref()).collect();
     let [found, after @ ..] = &sides[..] else {
         return String::new();
     };
@@ -358,8 +356,7 @@ fn grouping(page: &Page) -> String {
     };
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.grouping.as_ref()?;
-        let pair = found.pair_mm.map(|pair| pair.map(|at| place(at.0)));
-        let longest = match found.um.zip(pair) {
+        let longest = match found.um.zip(found.pair_mm.map(|pair| pair.map(|at| place(at.0)))) {
             Some((um, [p, q])) => format!("{um:.3} µm between {p} and {q}"),
             None => "no two vectors are kept".to_string(),
         };

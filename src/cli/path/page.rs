@@ -44,8 +44,7 @@ impl Page {
         };
         let holes: Vec<_> = self.holes.worst.iter().map(hole).collect();
         let machine = &self.inputs.job.machine.name;
-        let heading = format!("{machine}: error along {}", self.program);
-        path(locale, &heading, &self.traces, &holes)
+        path(locale, &format!("{machine}: error along {}", self.program), &self.traces, &holes)
     }
 }
 
@@ -53,8 +52,7 @@ impl Page {
 pub(super) fn found(profile: Profile<'_>, program: &str) -> Result<Summary, Problem> {
     let summary = profile.summary();
     if summary.samples == 0 {
-        let message = format!("`{program}` holds no move that counts");
-        return Err(Problem::new(message)
+        return Err(Problem::new(format!("`{program}` holds no move that counts"))
             .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
     }
     Ok(summary)
@@ -93,10 +91,7 @@ impl Page {
     pub(super) fn screen(&self) -> Screen {
         let after = self.after.as_ref();
         let disagreements = after.map_or(&[][..], |after| &after.disagreements);
-        let with = after.map(|after| {
-            let name = format!("with {}", after.from);
-            extremes(&after.figures, &name)
-        });
+        let with = after.map(|after| extremes(&after.figures, &format!("with {}", after.from)));
         let figures = [extremes(&self.before, "as it is"), with.unwrap_or_default()];
         let missing: Vec<String> = missing(self);
         let left_out = format!("not measured, so left out: {}", missing.join(", "));
@@ -137,8 +132,7 @@ impl Page {
 }
 
 fn missing(page: &Page) -> Vec<String> {
-    let missing = page.volume.missing().into_iter();
-    missing.map(|m| m.component.to_string()).collect()
+    page.volume.missing().into_iter().map(|m| m.component.to_string()).collect()
 }
 
 /// A number of things.
@@ -207,8 +201,7 @@ fn holes(page: &Page) -> String {
     };
     let column = page.after.as_ref().map_or("", |_| "\t>with tables |e|/µm");
     let heading = ">hole\t>line\tbottom at x, y, z/mm\t>ex/µm\t>ey/µm\t>ez/µm\t>|e|/µm";
-    let rows = worst.iter().map(hole);
-    format!("{what}\n{}", table(&format!("{heading}{column}"), rows))
+    format!("{what}\n{}", table(&format!("{heading}{column}"), worst.iter().map(hole)))
 }
 
 fn hole(hole: &Hole) -> String {
@@ -258,15 +251,13 @@ fn remarks(page: &Page) -> Vec<String> {
     }
     let labels = page.volume.labels.iter().filter(|label| label.severity() != Severity::Doubt);
     notes.extend(labels.map(ToString::to_string));
-    let notes_after = page.after.iter().flat_map(|after| &after.notes);
-    notes.extend(notes_after.map(ToString::to_string));
+    notes.extend(page.after.iter().flat_map(|after| &after.notes).map(ToString::to_string));
     notes
 }
 
 /// Why the figures may be wrong.
 fn doubts(page: &Page) -> Vec<String> {
-    let doubts = of_severity(&page.volume.labels, Severity::Doubt);
-    doubts.iter().map(ToString::to_string).collect()
+    of_severity(&page.volume.labels, Severity::Doubt).iter().map(ToString::to_string).collect()
 }
 
 /// What holds for every path.

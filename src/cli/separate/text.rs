@@ -144,10 +144,9 @@ fn squareness(separation: &Separation) -> String {
         ),
         false => ("", ""),
     };
-    let heading = format!("\t>by least squares/(µm/m){column}");
     format!(
         "{}\nsquareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness{legend}",
-        words::squareness(&separation.metric, &heading, more)
+        words::squareness(&separation.metric, &format!("\t>by least squares/(µm/m){column}"), more)
     )
 }
 
@@ -184,8 +183,7 @@ fn monte_carlo(simulated: &Simulated) -> String {
         )
     });
     let heading = "figure\t>estimate\t>bias by noise\t>from\t>to\tunit\t>held the truth";
-    let size = |f: &Simulation| f.unit == "µm" && f.interval[0] < 0.0;
-    let hidden = if simulated.figures.iter().any(size) {
+    let hidden = if simulated.figures.iter().any(|f| f.unit == "µm" && f.interval[0] < 0.0) {
         "\na range or straightness whose interval reaches below 0 cannot be told from noise"
     } else {
         ""
@@ -314,8 +312,7 @@ fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
 
 fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     let rows = Axis::ALL.into_iter().map(|axis| {
-        let each = turn.by_diagonal.iter();
-        let each = each.map(|(_, b)| format!("\t{}", shown(b[axis])));
+        let each = turn.by_diagonal.iter().map(|(_, b)| format!("\t{}", shown(b[axis])));
         format!("{axis}{}", each.collect::<String>())
     });
     let heading = Diagonal::ALL.map(|d| format!("\t>{d}")).concat();

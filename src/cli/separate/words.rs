@@ -143,7 +143,6 @@ pub(super) fn straight_screen(
     open: (&[Finding], &[String]),
 ) -> Screen {
     let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
-    let closure = result.closure.as_ref();
     screen(
         &result.doubts,
         outcome(result),
@@ -151,7 +150,7 @@ pub(super) fn straight_screen(
         paragraphs(&[
             straight_squareness(result),
             scales(result),
-            closure.map_or_else(String::new, closure_table),
+            result.closure.as_ref().map_or_else(String::new, closure_table),
         ]),
         vec![
             More::part("linear axes and beams", agreement(result.agreement.as_ref())),

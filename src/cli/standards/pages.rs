@@ -103,8 +103,7 @@ impl AxisPage<'_> {
     /// Means and bands at the targets.
     pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Picture {
         let name = String::new();
-        let across = locale.words("target");
-        targets(locale, self.name, &across, &[(name, &self.iso_230_2.figures)])
+        targets(locale, self.name, &locale.words("target"), &[(name, &self.iso_230_2.figures)])
     }
 
     pub(super) fn screen(&self) -> Screen {
@@ -218,8 +217,7 @@ pub(super) const LIKELY: &str = "likely: from secondary sources, not compared wi
 /// Conditions that the data do not meet.
 pub(super) fn missed(conditions: &[Condition]) -> Vec<String> {
     let missed = conditions.iter().filter(|of| of.met == Met::No);
-    let missed = missed.map(|of| format!("not met: {}, found: {}", of.asked, of.found));
-    missed.collect()
+    missed.map(|of| format!("not met: {}, found: {}", of.asked, of.found)).collect()
 }
 
 pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
@@ -286,8 +284,7 @@ pub(in crate::cli) fn of_separation(
 ) -> Result<DiagonalPage, Problems> {
     let runs = &separation.zeroed_runs;
     let figures = by_standard(&separation.volume, PathKind::Step, runs, true)?;
-    let notes = notes(separation.runs.len() > runs.len());
-    Ok(DiagonalPage::new(readings, ALONG, figures, notes))
+    Ok(DiagonalPage::new(readings, ALONG, figures, notes(separation.runs.len() > runs.len())))
 }
 
 /// Figures of readings alone: those that the box has no part in.
@@ -305,8 +302,7 @@ pub(super) fn of_readings(source: Source) -> Result<DiagonalPage, Problems> {
 
 fn notes(dropped: bool) -> Vec<Finding> {
     let dropped = dropped.then_some(StandardFinding::ReverseNames);
-    let notes = std::iter::once(StandardFinding::UpIsForward).chain(dropped);
-    notes.map(Finding::from).collect()
+    std::iter::once(StandardFinding::UpIsForward).chain(dropped).map(Finding::from).collect()
 }
 
 /// What the standards say about the body diagonals, as documents have it.
@@ -392,8 +388,7 @@ impl Diagonals {
             let figures = there.iter().map(|name| um(figure(&of.figures.axis, name)) + "\t");
             format!("{diagonal}\t{}{}", figures.collect::<String>(), um(of.range_um))
         });
-        let heading = format!("diagonal, µm{}\t>max - min", headings.collect::<String>());
-        table(&heading, rows)
+        table(&format!("diagonal, µm{}\t>max - min", headings.collect::<String>()), rows)
     }
 
     /// The table of the diagonals as they were read, with their far ends and the figures of all four.
@@ -423,6 +418,5 @@ const FIGURES: [&str; 12] =
     ["E", "E_up", "E_down", "M", "B", "B_mean", "R", "R_up", "R_down", "A", "A_up", "A_down"];
 
 fn figure(of: &AxisFigures, wanted: &str) -> Option<f64> {
-    let named = of.named_um().into_iter().find(|(name, _)| *name == wanted);
-    named.and_then(|(_, um)| um)
+    of.named_um().into_iter().find(|(name, _)| *name == wanted).and_then(|(_, um)| um)
 }

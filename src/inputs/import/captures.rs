@@ -93,11 +93,9 @@ impl<'a> Form<'a> {
         };
         let names = header.cells();
         let of_axis = TARGETS.iter().any(|(target, _)| names.iter().any(|name| name == target));
-        let holds_values = |name: &Cow<'_, str>| {
+        let is_whole = names.last().is_some_and(|name| {
             name.starts_with("displacement_") || name.starts_with("deviation_")
-        };
-        let is_whole = names.last().is_some_and(holds_values)
-            && of_axis != names.iter().any(|name| name == DIAGONAL);
+        }) && of_axis != names.iter().any(|name| name == DIAGONAL);
         if !is_whole {
             return Err(refusals::no_form_header().at(header.whole()).into());
         }
@@ -284,8 +282,7 @@ fn list_column(stated: &Stated) -> Result<ListColumn, Problem> {
         ("deviation", Content::reading(Values::Deviations), &LENGTHS),
     ]);
     let pair = text.rsplit_once('=').map(|(name, target)| (Named::of(name), target.trim()));
-    let found = pair.filter(|(name, _)| *name != Named::Number(0));
-    let found = found.and_then(|(name, target)| {
+    let found = pair.filter(|(name, _)| *name != Named::Number(0)).and_then(|(name, target)| {
         Some((name, known.into_iter().find(|known| known.name == target)?))
     });
     found.ok_or_else(|| refusals::no_readings(shown(text)))

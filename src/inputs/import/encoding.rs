@@ -104,8 +104,7 @@ fn unmarked_utf_16(bytes: &[u8]) -> Option<&'static Encoding> {
     const LOOKED_AT: usize = 512;
     let pairs = || bytes.chunks_exact(2).take(LOOKED_AT);
     let is_most = |at: usize| {
-        let zeros = pairs().filter(|pair| pair[at] == 0 && pair[1 - at] != 0);
-        zeros.count() * 4 > pairs().len() * 3
+        pairs().filter(|pair| pair[at] == 0 && pair[1 - at] != 0).count() * 4 > pairs().len() * 3
     };
     match (is_most(1), is_most(0)) {
         (true, _) => Some(UTF_16LE),
@@ -117,8 +116,7 @@ fn unmarked_utf_16(bytes: &[u8]) -> Option<&'static Encoding> {
 fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
     let at = text.find('\u{fffd}').unwrap_or(0);
     let place = Place::in_text(path, text, at, at + '\u{fffd}'.len_utf8());
-    let others = ENCODINGS.iter();
-    let others = others.filter(|(other, users)| *other != encoding && !users.is_empty());
+    let others = ENCODINGS.iter().filter(|(other, users)| *other != encoding && !users.is_empty());
     let others = others.map(|(other, users)| format!("`--encoding {}` ({users})", word(other)));
     refusals::other_letter(encoding.name(), joined(others)).at(place)
 }
@@ -141,7 +139,6 @@ fn refuse_kind(path: &str, kind: &str) -> Result<(), Problem> {
 fn stated_kind(head: &str) -> Option<&str> {
     head.lines().find_map(|line| {
         let (key, value) = line.split_once(':')?;
-        let is_type = key.trim().eq_ignore_ascii_case("file type");
-        is_type.then(|| value.trim())
+        key.trim().eq_ignore_ascii_case("file type").then(|| value.trim())
     })
 }

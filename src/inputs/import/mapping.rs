@@ -226,8 +226,7 @@ impl Mapping {
             let target = target.trim();
             let Some(column) = column_of(target) else {
                 let known = known();
-                let names = known.iter().map(|own| own.name.as_str());
-                let help = did_you_mean(target, names, COLUMNS);
+                let help = did_you_mean(target, known.iter().map(|own| own.name.as_str()), COLUMNS);
                 problems.push(refusals::unknown_column(shown(target), help));
                 continue;
             };

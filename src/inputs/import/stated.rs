@@ -198,8 +198,7 @@ pub fn millimetres(text: &str) -> Result<f64, String> {
 pub(crate) fn number(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
     let number: Option<f64> = text.parse().ok();
     let (low, high) = (range.start(), range.end());
-    let found = number.filter(|number| range.contains(number));
-    found.ok_or_else(|| {
+    number.filter(|number| range.contains(number)).ok_or_else(|| {
         format!("expected a number from {low} to {high} {unit}, with a decimal point")
     })
 }
@@ -278,14 +277,12 @@ impl Fact {
 impl Stated {
     /// Every option with its value, in a fixed order.
     pub fn given(&self) -> Vec<(&'static str, String)> {
-        let given = FACTS.iter();
-        given.filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
+        FACTS.iter().filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
     }
 
     /// A comment for each option.
     pub(super) fn comments(&self) -> impl Iterator<Item = String> {
-        let given = self.given().into_iter();
-        given.map(|(option, value)| format!("stated: {option} {value}"))
+        self.given().into_iter().map(|(option, value)| format!("stated: {option} {value}"))
     }
 
     /// What is given here, but not there, as options.

@@ -114,8 +114,7 @@ impl Rehearsal {
         for (pass, readings) in &mut passes {
             let angles = self.angles.as_ref().and_then(|angles| angles.of(diagonal, *pass));
             let effect = |node: usize| angles.and_then(|of| of.get(node).copied()).unwrap_or(0.0);
-            let nodes = readings.iter_mut().enumerate();
-            nodes.for_each(|(node, um)| *um = *um - zero + effect(node));
+            readings.iter_mut().enumerate().for_each(|(node, um)| *um = *um - zero + effect(node));
         }
         Some(passes)
     }

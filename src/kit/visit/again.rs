@@ -179,8 +179,7 @@ impl Page<'_> {
         let line = self.line(path);
         let is_own =
             |line: &Range<usize>| self.source.text[line.clone()].trim_start().starts_with(key);
-        let own = line.filter(is_own);
-        self.changes.extend(own.map(|line| (line, String::new())));
+        self.changes.extend(line.filter(is_own).map(|line| (line, String::new())));
     }
 
     fn text(mut self) -> String {

@@ -48,16 +48,14 @@ pub(crate) fn read_page<T>(
     let without_number =
         |path: &str| path.split('[').filter_map(|part| part.rsplit(']').next()).collect::<String>();
     let open = all.iter().filter(|(path, _, is_empty)| *is_empty && needs(&without_number(path)));
-    let open = open.map(|(_, span, _)| span.clone()).collect();
-    section.note_all(to_be_filled_in(&source, open));
+    section.note_all(to_be_filled_in(&source, open.map(|(_, span, _)| span.clone()).collect()));
     if !noted.problems.is_sound() {
         besides(&section);
     }
     noted.problems.end(())?;
     let stated = all.into_iter().filter(|(.., is_empty)| !is_empty);
     source.spots = stated.map(|(path, span, _)| (path, span)).collect();
-    let unread = || Problem::new(format!("`{}` could not be read", source.name));
-    Ok((value.ok_or_else(unread)?, source))
+    Ok((value.ok_or_else(|| Problem::new(format!("`{}` could not be read", source.name)))?, source))
 }
 
 /// The same of a page all of whose keys are needed.
@@ -105,14 +103,12 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
-                let number = with_a_point(&source.text, comma);
-                let problem = refused::comma_in_number(number);
+                let problem = refused::comma_in_number(with_a_point(&source.text, comma));
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
             continue;
         }
-        let written = span.clone().and_then(|span| source.text.get(span));
-        let mut problem = match (message, written) {
+        let mut problem = match (message, span.clone().and_then(|span| source.text.get(span))) {
             ("duplicate key", Some(key)) => refused::key_twice(shown(key)),
             _ if in_escape(&source.text, start) => refused::escape(),
             _ => refused::not_toml(message),
@@ -167,12 +163,11 @@ fn decimal_comma(text: &str, at: usize, last: &mut (usize, Option<usize>)) -> Op
         return last.1;
     }
     let line = text[start..].split('\n').next()?;
-    let ends_a_value = |comma: &usize| {
+    let in_braces = line.find('{').map_or(0..0, |open| start + open..start + line.len());
+    let found = in_braces.filter(between_digits).find(|comma| {
         let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
         rest.trim_start_matches(' ').starts_with([',', '}'])
-    };
-    let in_braces = line.find('{').map_or(0..0, |open| start + open..start + line.len());
-    let found = in_braces.filter(between_digits).find(ends_a_value);
+    });
     *last = (start, found);
     found
 }
