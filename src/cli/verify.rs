@@ -3,7 +3,7 @@
 
 use crate::cli::outcome::{Outcome, Shows};
 use crate::cli::screen::{Screen, list, table};
-use crate::cli::show::{self, PlaneFigures, planes, um};
+use crate::cli::show::{self, planes, um};
 use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
 use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
@@ -190,7 +190,7 @@ impl Page<'_> {
         self.judged().map_or_else(Grounds::default, |of| of.grounds(&self.inputs.job))
     }
 
-    fn squareness(&self) -> Named<&'static str, PlaneFigures> {
+    fn squareness(&self) -> Named<&'static str, Value> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());
         let left = self.as_left().map(|model| (model, errors));

@@ -1,7 +1,7 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
 //! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
-use crate::cli::show::{PlaneFigures, planes};
+use crate::cli::show::planes;
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::{ActiveTables, Frame, Job};
 use crate::judge::after::alone;
@@ -37,7 +37,7 @@ pub(in crate::cli) struct Page {
     pub(super) errors_measured: usize,
     /// What the measurement says by itself.
     terms: Named<ErrorTerm, Value>,
-    squareness: Named<&'static str, PlaneFigures>,
+    squareness: Named<&'static str, Value>,
     /// As it is.
     #[serde(flatten)]
     pub(in crate::cli) before: Assessment,
