@@ -29,13 +29,12 @@ use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, TOOL};
 use crate::write::plan::Plan;
-use field::Shown;
 pub(crate) use inputs::{Asked, cannot_emulate};
 pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
 use loaded::{Made, named_backlash};
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 pub(crate) use verification::second_look;
 pub use verification::{SecondLook, Verification, forecast, verify, verify_read_out};
@@ -88,7 +87,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     Ok(Kit { plan, compiled, files, effect, forecast, verdict, ways, manifest })
 }
 
-fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
+fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Value>) -> Manifest {
     let Made { inputs, plan, compiled, files, forecast, doubts, .. } = made;
     let (Job { machine, measurement, .. }, controller) = (&inputs.job, inputs.profile.id.clone());
     let active = inputs.active.as_ref();

@@ -6,7 +6,6 @@ use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::Forecast;
-use crate::kit::field::Shown;
 pub use crate::kit::inputs::{HashedFile, hashed};
 use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::picometres;
@@ -142,7 +141,7 @@ pub struct Manifest {
     pub machine: Value,
     /// What each sign proof has to show, computed from the bytes of its file; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub sign_proofs: Vec<Shown>,
+    pub sign_proofs: Vec<Value>,
     /// What keeps a limit from being decided, and what would decide it; absent where it passes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub what_decides: Option<WhatDecides>,
