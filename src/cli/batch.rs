@@ -360,8 +360,7 @@ fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
     }
     text += &(names.join(",") + "\n");
     for row in 0..rows {
-        let cells: Vec<&str> = lists.iter().map(|list| list[row].as_str()).collect();
-        text += &(cells.join(",") + "\n");
+        text += &(lists.iter().map(|list| list[row].as_str()).collect::<Vec<_>>().join(",") + "\n");
     }
     Ok(text)
 }

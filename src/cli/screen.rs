@@ -80,8 +80,7 @@ impl Screen {
         let mut parts = vec![verdict, self.figures.clone()];
         let shown = if detail.explain { self.findings.len() } else { MOST_FINDINGS };
         let worst = self.findings.iter().take(shown).chain(&self.always);
-        let worst: Vec<String> = worst.map(|words| wrapped(words)).collect();
-        parts.push(worst.join("\n"));
+        parts.push(worst.map(|words| wrapped(words)).collect::<Vec<_>>().join("\n"));
         match detail.explain {
             true => parts.extend(self.more.iter().map(|more| more.text.clone())),
             false => parts.push(self.announced()),
@@ -166,8 +165,7 @@ pub(super) fn wrapped(text: &str) -> String {
 }
 
 fn broken_lines(text: &str) -> String {
-    let lines: Vec<String> = text.lines().map(broken).collect();
-    lines.join("\n")
+    text.lines().map(broken).collect::<Vec<_>>().join("\n")
 }
 
 fn broken(line: &str) -> String {

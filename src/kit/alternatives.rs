@@ -227,8 +227,7 @@ impl Left {
         let terms = self.terms_um.map(|um| format!("at most {um:.3} µm"));
         let diagonals = self.diagonals_um;
         let diagonals = diagonals.map(|um| format!("at most {um:.3} µm on the diagonals"));
-        let both: Vec<String> = terms.into_iter().chain(diagonals).collect();
-        both.join(" and ")
+        terms.into_iter().chain(diagonals).collect::<Vec<_>>().join(" and ")
     }
 }
 

@@ -91,8 +91,7 @@ pub(super) fn differences(asked: &Asked<'_>, files: &[KitFile]) -> Result<Vec<Fi
         for (mechanism, files) in proved {
             let read = read_apart(&inputs.profile, &files, Role::SignProof)?;
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
-            let names: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
-            let file = names.join("`, `");
+            let file = files.iter().map(|file| file.path.as_str()).collect::<Vec<_>>().join("`, `");
             let sets_data = read.machine_data.iter().any(|file| !file.data.is_empty());
             if sets_data || proof.is_none_or(|p| p.tables != read.tables) {
                 found.push(FieldFault::OtherProof { file: file.clone() }.into());

@@ -87,8 +87,7 @@ pub fn of_severity(findings: &[Finding], severity: Severity) -> Vec<Finding> {
 /// Each item once, where it stands first; the work grows with their number, not with its square.
 pub(crate) fn once<T: Eq + Hash>(mut items: Vec<T>) -> Vec<T> {
     let mut known = HashSet::with_capacity(items.len());
-    let is_new: Vec<bool> = items.iter().map(|item| known.insert(item)).collect();
-    let mut is_new = is_new.into_iter();
+    let mut is_new = items.iter().map(|item| known.insert(item)).collect::<Vec<_>>().into_iter();
     items.retain(|_| is_new.next().unwrap_or_default());
     items
 }

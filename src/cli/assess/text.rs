@@ -178,8 +178,7 @@ fn rows(d: &Definitions) -> Vec<[String; 3]> {
         row("ELSv", measured(d.elsv_um), elsv),
         row("ELv", measured(d.elv_um), elv),
     ];
-    let (ranges, diagonals) = (Axis::ALL.map(range), Diagonal::ALL.map(diagonal));
-    [&largest[..], &ranges, &others, &diagonals].concat()
+    [&largest[..], &Axis::ALL.map(range), &others, &Diagonal::ALL.map(diagonal)].concat()
 }
 
 fn measured(value: Option<f64>) -> String {

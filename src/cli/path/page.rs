@@ -219,11 +219,10 @@ fn outside_sentences(page: &Page) -> Vec<String> {
         let (low, high) = o.measured_mm;
         let below = (o.reached_mm.0 < low).then(|| format!("{:.3} mm", Figure(o.reached_mm.0)));
         let above = (o.reached_mm.1 > high).then(|| format!("{:.3} mm", Figure(o.reached_mm.1)));
-        let reached: Vec<String> = below.into_iter().chain(above).collect();
         format!(
             "not measured: the path reaches {} = {}, first in line {}, measured is {low} … {high} mm; beyond it each curve, squareness included, is held at its end",
             Axis::ALL[o.axis],
-            reached.join(" and "),
+            below.into_iter().chain(above).collect::<Vec<_>>().join(" and "),
             o.line,
         )
     };

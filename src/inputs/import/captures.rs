@@ -233,8 +233,7 @@ impl<'a> Form<'a> {
             let value = row.value_um.map(|um| Figure(rounded(um / factor, 9)).to_string());
             with_last(&row.cells, &value.unwrap_or_default())
         });
-        let lines: Vec<String> = kept.chain(own).chain([header]).chain(rows).collect();
-        lines.join("\n") + "\n"
+        kept.chain(own).chain([header]).chain(rows).collect::<Vec<_>>().join("\n") + "\n"
     }
 }
 

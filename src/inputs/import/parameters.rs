@@ -242,8 +242,7 @@ pub(super) fn read_isg<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         let (header, lines) = block.split_first()?;
         read_block(header, lines)
     });
-    let parameters: Vec<Parameter<'_>> = blocks.flatten().flatten().collect();
-    assemble(&parameters, intake)
+    assemble(&blocks.flatten().flatten().collect::<Vec<_>>(), intake)
 }
 
 /// The parameters of a block: the names of its columns, the first one that of the argument, and rows of numbers.

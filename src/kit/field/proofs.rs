@@ -52,8 +52,7 @@ impl Proofs {
                 return Err(shows_otherwise("they hold other tables than were meant"));
             }
             load(profile, &mut loaded, tables);
-            let paths: Vec<String> = own.iter().map(|file| file.path.clone()).collect();
-            written.push((proof, paths));
+            written.push((proof, own.iter().map(|file| file.path.clone()).collect::<Vec<_>>()));
             files.extend(own);
         }
         let control = emulator(profile, &loaded, &made.compiled.state)

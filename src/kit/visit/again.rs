@@ -225,6 +225,5 @@ fn emptied(source: &Source) -> String {
         kept.collect::<Vec<_>>().join(&separator)
     };
     let rows = rows.iter().map(|line| row(line.cells()));
-    let lines: Vec<String> = std::iter::once(names.join(&separator)).chain(rows).collect();
-    lines.join("\n") + "\n"
+    std::iter::once(names.join(&separator)).chain(rows).collect::<Vec<_>>().join("\n") + "\n"
 }
