@@ -4,15 +4,14 @@ use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
-use crate::inputs::import::{self, Imported, Kind, List, fill, squareness_lines};
+use crate::inputs::import::{self, Kind, List, fill, squareness_lines};
 use crate::kit::manifest::HashedFile;
 use crate::quantity::{Diagonal, Direction};
 use crate::text::{Named, Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};
 use crate::visit::job_files::Given;
 use clap::Args;
-use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 // Options of `import`. What a file does not carry has to be stated; see docs/measuring.md §5.
@@ -54,7 +53,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let format = word(imported.format);
     let [facts, warnings] =
         [Severity::Label, Severity::Note].map(|of| of_severity(&imported.findings, of));
-    let series: Vec<OfSeries> = imported.draft.series.iter().map(OfSeries::of).collect();
+    let series = imported.draft.series.iter().map(of_series);
     let squareness = imported.squareness.iter().map(|s| (s.pair, s.um_per_m));
     let document = json!({
         "schema": 1,
@@ -64,7 +63,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         "stated": Named::from_iter(options.stated.given()),
         "facts": facts,
         "warnings": warnings,
-        "series": series,
+        "series": series.collect::<Vec<_>>(),
         "squareness_um_per_m": Named::from_iter(squareness),
     });
     let next = format!(
@@ -76,7 +75,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let screen = || Screen {
         verdict: format!("read as {format}{}", facts.collect::<String>()),
         figures: paragraphs(&[
-            series_table(&imported, &series),
+            series_table(&imported.draft.series),
             squareness_lines(&imported.squareness).join("\n"),
         ]),
         always: warnings.iter().map(|words| format!("warning: {words}")).collect(),
@@ -85,38 +84,27 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.output.deliver(files, Some(held(imported.text.clone())), screen, || &document, &next)
 }
 
-/// What a series holds.
-#[derive(Serialize)]
-struct OfSeries {
-    axis: &'static str,
-    direction: Option<&'static str>,
-    terms: Vec<String>,
-    points: usize,
-    from_mm: Option<f64>,
-    to_mm: Option<f64>,
+/// What was measured in a series.
+fn terms(series: &Series) -> Vec<String> {
+    series.components().map(|component| component.to_string()).collect()
 }
 
-impl OfSeries {
-    fn of(series: &Series) -> OfSeries {
-        let [from_mm, to_mm] = series.ends_mm();
-        OfSeries {
-            axis: series.axis.key(),
-            direction: series.direction.map(Direction::symbol),
-            terms: series.components().map(|component| component.to_string()).collect(),
-            points: series.positions.len(),
-            from_mm,
-            to_mm,
-        }
-    }
+/// What a series holds, as scripts read it.
+fn of_series(series: &Series) -> Value {
+    let [from_mm, to_mm] = series.ends_mm();
+    let (direction, points) = (series.direction.map(Direction::symbol), series.positions.len());
+    json!({ "axis": series.axis.key(), "direction": direction, "terms": terms(series),
+        "points": points, "from_mm": from_mm, "to_mm": to_mm })
 }
 
-fn series_table(imported: &Imported, all: &[OfSeries]) -> String {
-    let rows = imported.draft.series.iter().zip(all).map(|(series, of)| {
+fn series_table(all: &[Series]) -> String {
+    let rows = all.iter().map(|series| {
         let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
-        let (from, to, travel) = (end(of.from_mm), end(of.to_mm), of.direction.unwrap_or("both"));
+        let ([from, to], points) = (series.ends_mm().map(end), series.positions.len());
+        let travel = series.direction.map_or("both", Direction::symbol);
         let has_u = series.uncertainties.keys().any(|kind| matches!(kind, Kind::Deviation(_)));
         let u = if has_u { "yes" } else { "not stated" };
-        let (points, terms) = (of.points, of.terms.join(" "));
+        let terms = terms(series).join(" ");
         format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)
     });
     table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
