@@ -112,7 +112,7 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
     if let ErrorSource::Separated { separation, readings, .. } = &inputs.errors {
         let page = standards::of_separation(readings, separation)?;
         let picture = page.picture(locale, &locale.words("readings_corrected"));
-        visit.add("standards", &page, ("readings", picture))?;
+        visit.add("standards", &page.document(), ("readings", picture))?;
     }
     Ok((inputs.job, visit))
 }
