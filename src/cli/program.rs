@@ -79,7 +79,7 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
             not_determined(job, kit),
             files(kit),
             reach(job, kit),
-            mirror(kit),
+            mirror(kit).unwrap_or_default(),
         ]),
         findings: show::notes(&kit.notes),
         more: vec![show::assumptions(&kit.assumptions), show::preconditions(&kit.preconditions)],
@@ -147,14 +147,12 @@ fn reach(job: &Job, kit: &ProgramKit) -> String {
     table("axis\t>from/mm\t>to/mm\t>travel/mm\t>to/mm", Axis::ALL.into_iter().filter_map(row))
 }
 
-fn mirror(kit: &ProgramKit) -> String {
-    let Some(size) = kit.run.mirror else {
-        return String::new();
-    };
+fn mirror(kit: &ProgramKit) -> Option<String> {
+    let size = kit.run.mirror?;
     let ([first, second], farthest, circle) = (size.excursion_mm, size.farthest_mm, size.circle_mm);
-    format!(
+    Some(format!(
         "sideways on the mirror: {first:.1} mm after the first move, {second:.1} mm after the second, {farthest:.1} mm at most with preload and overrun\nmirror: a circle of {circle:.1} mm and the diameter of the beam around it"
-    )
+    ))
 }
 
 fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> String {

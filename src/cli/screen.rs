@@ -44,7 +44,8 @@ impl More {
     }
 
     /// A part of the page that nobody counts, e.g. `closure`; empty where there is none.
-    pub(super) fn part(what: &str, text: String) -> More {
+    pub(super) fn part(what: &str, text: impl Into<Option<String>>) -> More {
+        let text = text.into().unwrap_or_default();
         More { what: if text.is_empty() { String::new() } else { what.to_string() }, text }
     }
 }

@@ -23,9 +23,9 @@ pub(super) fn screen(page: &Page) -> Screen {
             figures(page),
             worst_pairs(page),
             contributions(page),
-            windows(page),
+            windows(page).unwrap_or_default(),
             histogram(page),
-            grouping(page),
+            grouping(page).unwrap_or_default(),
         ]),
         findings: doubts.chain(show::notes(&page.basis.labels)).collect(),
         more: vec![More::new(
@@ -280,10 +280,8 @@ fn error_name(component: Component) -> String {
     if name == iso { name } else { format!("{name} ({iso})") }
 }
 
-fn windows(page: &Page) -> String {
-    let Some(found) = &page.before.windows else {
-        return String::new();
-    };
+fn windows(page: &Page) -> Option<String> {
+    let found = page.before.windows.as_ref()?;
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.windows.as_ref()?;
         let (best, best_at) = (found.min_um, place(found.min_at_mm.0));
@@ -301,7 +299,7 @@ fn windows(page: &Page) -> String {
         by([size.x, size.y, size.z].map(|mm| short(mm).to_string())),
         by([grid.x, grid.y, grid.z].map(|nodes| nodes.to_string())),
     );
-    headed(&head, page.sides().filter_map(line))
+    Some(headed(&head, page.sides().filter_map(line)))
 }
 
 fn histogram(page: &Page) -> String {
@@ -349,10 +347,8 @@ fn how(histogram: &Histogram) -> String {
     )
 }
 
-fn grouping(page: &Page) -> String {
-    let Some(found) = &page.before.grouping else {
-        return String::new();
-    };
+fn grouping(page: &Page) -> Option<String> {
+    let found = page.before.grouping.as_ref()?;
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.grouping.as_ref()?;
         let longest = match found.um.zip(found.pair_mm.map(|pair| pair.map(|at| place(at.0)))) {
@@ -368,7 +364,7 @@ fn grouping(page: &Page) -> String {
         "grouping of paper 002 §4.2, tolerances {} (angle) and {} (length), for comparison only: it may miss the largest difference",
         found.angular_tolerance, found.magnitude_tolerance
     );
-    headed(&head, page.sides().filter_map(line))
+    Some(headed(&head, page.sides().filter_map(line)))
 }
 
 fn place(place: PerAxis<f64>) -> String {

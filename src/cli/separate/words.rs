@@ -110,10 +110,7 @@ pub(super) fn advice(metric: &Metric) -> Vec<String> {
 }
 
 /// Linear axes and beams against each other and the diagonals.
-pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
-    let Some(agreement) = agreement else {
-        return String::new();
-    };
+pub(super) fn agreement(agreement: &Agreement) -> String {
     let rows = agreement.lines.iter().map(|line| {
         let others = figure(line.by_others_um_per_m, "nothing");
         let by = line.difference_um_per_m.map_or("-".into(), |by| format!("{:+.3}", Figure(by)));
@@ -153,7 +150,7 @@ pub(super) fn straight_screen(
             result.closure.as_ref().map_or_else(String::new, closure_table),
         ]),
         vec![
-            More::part("linear axes and beams", agreement(result.agreement.as_ref())),
+            More::part("linear axes and beams", result.agreement.as_ref().map(agreement)),
             More::part("diagonals", diagonals),
         ],
         &result.labels,

@@ -135,7 +135,7 @@ impl AxisPage<'_> {
                 conditions("conditions of ISO 230-2", list),
                 More::part(
                     "every target of VDI/DGQ 3441",
-                    vdi.as_ref().map_or_else(String::new, |of| target_rows(&of.targets)),
+                    vdi.as_ref().map(|of| target_rows(&of.targets)),
                 ),
             ],
             ..Screen::default()

@@ -64,9 +64,8 @@ impl Passes {
 
     /// How many runs went which way, and what they tell of the uncertainty.
     pub(super) fn of_runs(&self, intake: &Intake<'_>) -> Vec<ImportFinding> {
-        let Some(run) = intake.stated.targets_run else {
-            return Vec::new();
-        };
+        // Where it is not stated, nothing is said of the file but that.
+        let run = intake.stated.targets_run.unwrap_or(Direction::Plus);
         let counts = self.ways.iter().map(|(way, runs)| (runs.len(), travelled(*way, run)));
         let counts: Vec<(usize, Direction)> = counts.collect();
         let fewest = counts.iter().map(|(runs, _)| *runs).min().unwrap_or(0);
