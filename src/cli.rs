@@ -205,7 +205,8 @@ pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>)
 /// ```
 #[cfg(feature = "disk")]
 pub fn asked(question: &[u8]) -> Answered {
-    batch::answered(question, Box::<disk::Disk>::default())
+    let run = |files: &dyn Files, words: &[&str]| answer(files, words.iter().copied());
+    batch::answered(question, Box::<disk::Disk>::default(), run)
 }
 
 /// What a command answers, but for its standard output.

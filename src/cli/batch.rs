@@ -8,7 +8,6 @@
 //! A question is answered as the program answers its command with `--format json`. Whatever it writes is in its answer
 //! and nowhere else, so a line that is answered again changes nothing. Files that it does not hold are read from disk.
 
-use crate::cli::answer;
 use crate::cli::outcome::{Answer, Outcome, is_reader_gone};
 use crate::quantity::Figure;
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems, sha256, shown};
@@ -244,8 +243,11 @@ impl Answered {
     }
 }
 
+/// How a command is run on files.
+type Run = fn(&dyn Files, &[&str]) -> Answer;
+
 /// The answer to one question; what it does not hold is read beneath.
-pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>) -> Answered {
+pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>, run: Run) -> Answered {
     let mut id = None;
     let made = asked(question).and_then(|question| {
         id = question.id;
@@ -256,7 +258,8 @@ pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>) -> Answered {
         let is_open = !options.iter().any(|word| word.starts_with("--format"));
         let format = is_open.then_some(["--format", "json"]).into_iter().flatten();
         let words = std::iter::once(&question.command).chain(&job).chain(&options);
-        let answer = answer(&memory, words.map(String::as_str).chain(format));
+        let words: Vec<&str> = words.map(String::as_str).chain(format).collect();
+        let answer = run(&memory, &words);
         let mut made = memory.all();
         made.retain(|name, bytes| given.get(name) != Some(bytes));
         Ok((answer, made))

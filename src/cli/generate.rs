@@ -185,16 +185,15 @@ fn screen_of_all(inputs: &Inputs, compared: &[Compared]) -> Screen {
         Some(format!("{}, {}: {first}", policy(c, &own), c.spacing.word()))
     };
     Screen {
-        verdict: format!(
-            "{verdict}\nmachine {} - {}; nothing is written",
-            job.machine.name, inputs.profile.name
-        ),
         figures: paragraphs(&[format!(
             "{}\n  the first line is the job; spacing: as it asks, half and twice of it (or of its residual)\n  backlash: of all axes, or of the axis that is named with the others as in the job\n  term, diag.: of which most is left, µm; U: 95 %, - = not stated",
             table(heading, compared.iter().map(|c| row(c, &own)))
         )]),
         findings: compared.iter().filter_map(refused).collect(),
-        ..Screen::default()
+        ..Screen::of(format!(
+            "{verdict}\nmachine {} - {}; nothing is written",
+            job.machine.name, inputs.profile.name
+        ))
     }
 }
 

@@ -73,13 +73,12 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     // What the file says, what was done with it, what belongs into the job.
     let facts = facts.iter().map(|fact| format!("\n{fact}"));
     let screen = || Screen {
-        verdict: format!("read as {format}{}", facts.collect::<String>()),
         figures: paragraphs(&[
             series_table(&imported.draft.series),
             squareness_lines(&imported.squareness).join("\n"),
         ]),
         always: warnings.iter().map(|words| format!("warning: {words}")).collect(),
-        ..Screen::default()
+        ..Screen::of(format!("read as {format}{}", facts.collect::<String>()))
     };
     options.output.deliver(files, Some(held(imported.text.clone())), screen, || &document, &next)
 }

@@ -122,7 +122,6 @@ impl VisitPlan<'_> {
         let asked = self.design.noise_asked().into_iter().map(|finding| finding.to_string());
         let short = described.shortcomings().into_iter().map(|of| format!("as described: {of}"));
         Screen {
-            verdict: format!("{}: {}", self.design.job.machine.name, lines.join("\n")),
             figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
             findings: asked.chain(short).collect(),
             more: vec![More::new(
@@ -130,7 +129,7 @@ impl VisitPlan<'_> {
                 ["label", "labels"],
                 list("labels of the separation", &labels),
             )],
-            ..Screen::default()
+            ..Screen::of(format!("{}: {}", self.design.job.machine.name, lines.join("\n")))
         }
     }
 

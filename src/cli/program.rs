@@ -3,7 +3,7 @@
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
-use crate::inputs::job::{Job, MeasuredData, RunType, TargetGrid, UseOf};
+use crate::inputs::job::{Job, RunType, TargetGrid, UseOf};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::{Axis, Figure};
@@ -53,9 +53,7 @@ struct Table {
 
 impl Table {
     fn of(named: &JobFiles<'_>, kit: &ProgramKit) -> Option<Table> {
-        let MeasuredData::Diagonals(measured) = &named.job.measurement.data else {
-            return None;
-        };
+        let measured = named.job.measurement.diagonals()?;
         if kit.request.what.path() != Some(measured.kind) {
             return None;
         }
@@ -73,7 +71,6 @@ impl Table {
 
 fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
     Screen {
-        verdict: format!("{} - {control}: {}", job.machine.name, kit.request.what.word()),
         figures: paragraphs(&[
             motion(kit),
             not_determined(job, kit),
@@ -83,7 +80,7 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
         ]),
         findings: show::notes(&kit.notes),
         more: vec![show::assumptions(&kit.assumptions), show::preconditions(&kit.preconditions)],
-        ..Screen::default()
+        ..Screen::of(format!("{} - {control}: {}", job.machine.name, kit.request.what.word()))
     }
 }
 

@@ -98,10 +98,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         let document = without(document, |key, _| {
             rehearsal.is_none() && matches!(key, "steps" | "both_directions" | "overrun")
         });
-        let held = match positions {
-            Some(positions) => json!({ "positions": positions }),
-            None => json!(simulation),
-        };
+        let held =
+            positions.map_or(json!(simulation), |positions| json!({ "positions": positions }));
         flat([document, json!(noise), json!(origin), held, json!({ "notes": origin.notes })])
     };
     let figures = simulation.map_or_else(String::new, figures);
@@ -149,11 +147,10 @@ fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: Strin
     let doubts = taken_for_granted(inputs);
     let others = origin.notes.iter().filter(|note| !doubts.contains(note));
     Screen {
-        verdict: format!("{SIMULATED}: {machine} - {control}, {}\n{what}", origin.tables),
         figures,
         findings: show::notes(doubts.iter().chain(others)),
         always: vec![not_in_it.to_string()],
-        ..Screen::default()
+        ..Screen::of(format!("{SIMULATED}: {machine} - {control}, {}\n{what}", origin.tables))
     }
 }
 

@@ -390,10 +390,8 @@ fn compared(lines: &[ComparedLine]) -> Named<String, Value> {
 fn lines(comparison: &Comparison) -> String {
     let measured = |um| show::figure(um, "not measured");
     let row = |what: &str, line: &ComparedLine| {
-        let at_most = match line.after_um {
-            None => "-".to_string(),
-            Some(_) => show::stated(line.at_most_um),
-        };
+        let at_most =
+            line.after_um.map_or_else(|| "-".to_string(), |_| show::stated(line.at_most_um));
         let (before, after) = (measured(line.before_um), measured(line.after_um));
         let (forecast, off) = (um(line.forecast_um), um(line.difference_um));
         format!("{what}{}\t{before}\t{forecast}\t{after}\t{at_most}\t{off}", line.name)

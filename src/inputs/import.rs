@@ -26,10 +26,10 @@ mod spreadsheet;
 pub mod stated;
 
 pub use self::captures::{List, fill};
-pub use self::encoding::{Measurement, encoding_word};
+pub use self::encoding::Measurement;
 pub use self::intake::Squareness;
 pub use self::rtl::measured_runs;
-pub use self::stated::Format;
+pub use self::stated::{Format, encoding_word};
 pub use crate::inputs::error_table::{Component, Kind};
 
 use self::encoding::{SHA256, SOURCE, text_of};

@@ -203,10 +203,7 @@ impl Directory {
     /// Files of another control cannot be read: that reason in place of what a reader of this
     /// control makes of every line.
     fn instead_of(&self, problems: Problems) -> Problems {
-        match &self.other_control {
-            Some(reason) => reason.clone().into(),
-            None => problems,
-        }
+        self.other_control.as_ref().map_or(problems, |reason| reason.clone().into())
     }
 
     /// A file that the manifest does not list is judged if the profile writes one of that name or the

@@ -18,7 +18,6 @@ pub(super) fn screen(page: &Page) -> Screen {
     let verdict = [headline(page), list("job and tables DISAGREE:", differences), heading(page)];
     let doubts = page.doubts().iter().map(ToString::to_string);
     Screen {
-        verdict: verdict.join("\n").replace("\n\n", "\n"),
         figures: paragraphs(&[
             figures(page),
             worst_pairs(page),
@@ -33,7 +32,7 @@ pub(super) fn screen(page: &Page) -> Screen {
             ["error not measured", "errors not measured"],
             left_out,
         )],
-        ..Screen::default()
+        ..Screen::of(verdict.join("\n").replace("\n\n", "\n"))
     }
 }
 

@@ -103,11 +103,10 @@ impl Page {
         let disagreements = list("job and tables DISAGREE:", disagreements);
         let verdict = [headline(self), heading(self), disagreements];
         Screen {
-            verdict: verdict.join("\n").trim_end().to_string(),
             figures: paragraphs(&figures),
             findings,
             more: vec![More::new(self.holes.worst.len(), ["hole", "holes"], holes(self))],
-            ..Screen::default()
+            ..Screen::of(verdict.join("\n").trim_end().to_string())
         }
     }
 
@@ -339,10 +338,7 @@ fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Res
     let (size, tangent) = (length(error), dot(&sample.ahead, &error));
     let [x, y, z] = error.map(Figure);
     write!(out, "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},", Figure(tangent))?;
-    match sample.left {
-        Some(left) => write!(out, "{:.6}", Figure(dot(&left, &error))),
-        None => Ok(()),
-    }
+    sample.left.map_or(Ok(()), |left| write!(out, "{:.6}", Figure(dot(&left, &error))))
 }
 
 /// Holes that are kept; the CSV has all of them.

@@ -73,15 +73,14 @@ pub(super) fn screen(
     let heading = "Assumed, and what the uncertainty holds:";
     more.push(More::new(labels.len(), ["label", "labels"], list(heading, &labels)));
     Screen {
-        verdict: paragraphs(&[
-            list("INCONSISTENT, so the answer is no:", doubts),
-            determined,
-            open,
-        ]),
         figures,
         always: said.iter().map(|note| format!("note: {note}")).collect(),
         more,
-        ..Screen::default()
+        ..Screen::of(paragraphs(&[
+            list("INCONSISTENT, so the answer is no:", doubts),
+            determined,
+            open,
+        ]))
     }
 }
 

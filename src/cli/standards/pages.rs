@@ -127,7 +127,6 @@ impl AxisPage<'_> {
         );
         let list = &iso.conditions.list;
         Screen {
-            verdict: format!("{heading}\n{title}"),
             figures: paragraphs(&[self.axis_table(), vdi_table(vdi.as_ref())]),
             findings: [missed(list), show::notes(&iso.notes)].concat(),
             more: vec![
@@ -138,7 +137,7 @@ impl AxisPage<'_> {
                     vdi.as_ref().map(|of| target_rows(&of.targets)),
                 ),
             ],
-            ..Screen::default()
+            ..Screen::of(format!("{heading}\n{title}"))
         }
     }
 
@@ -359,16 +358,15 @@ impl DiagonalPage {
         let rows = rows.map(|(name, what, figure)| format!("{name}\t{what}\t{}", um(figure)));
         let heading = format!("conditions of ISO 230-6 ({LIKELY})");
         Screen {
-            verdict: format!(
+            figures: paragraphs(&[all.table(), table("figure\t\t>value/µm", rows)]),
+            findings: [missed(list), show::notes(notes)].concat(),
+            more: vec![conditions(&heading, list)],
+            ..Screen::of(format!(
                 "{} - body diagonals, runs: {}\nfigures in the style of ISO 230-6:2002 and ASME B5.54\n{}",
                 self.name,
                 runs.collect::<Vec<_>>().join("; "),
                 all.label
-            ),
-            figures: paragraphs(&[all.table(), table("figure\t\t>value/µm", rows)]),
-            findings: [missed(list), show::notes(notes)].concat(),
-            more: vec![conditions(&heading, list)],
-            ..Screen::default()
+            ))
         }
     }
 }

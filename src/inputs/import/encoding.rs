@@ -3,10 +3,10 @@
 
 #[cfg(feature = "excel")]
 use crate::inputs::import::spreadsheet;
-use crate::inputs::import::stated::Stated;
+use crate::inputs::import::stated::{ENCODINGS, Stated, encoding_name};
 use crate::inputs::refusals;
 use crate::text::{Place, Problem, Problems, Source, joined};
-use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
+use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE};
 
 /// A file to be imported.
 #[derive(Clone, Copy, Debug)]
@@ -29,28 +29,6 @@ impl Measurement<'_> {
     pub(super) fn comment(&self) -> String {
         format!("{SOURCE}{}{SHA256}{}", self.name, self.sha256)
     }
-}
-
-/// Encodings that may be stated, and who writes them.
-const ENCODINGS: [(&Encoding, &str); 6] = [
-    (UTF_8, "newer programs"),
-    (WINDOWS_1252, "Windows in western Europe"),
-    (WINDOWS_1250, "Windows in central Europe"),
-    (GBK, "Windows in China"),
-    (UTF_16LE, ""),
-    (UTF_16BE, ""),
-];
-
-/// The encoding of a word such as `gbk`; `latin-1` is another word for `windows-1252`.
-pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
-    let name = if text == "latin-1" { "windows-1252" } else { text };
-    let found = ENCODINGS.iter().find(|(known, _)| word(known) == name);
-    let words = || joined(ENCODINGS.map(|(known, _)| word(known)));
-    found.map(|(known, _)| *known).ok_or_else(|| format!("expected {}", words()))
-}
-
-fn word(encoding: &'static Encoding) -> String {
-    encoding.name().to_ascii_lowercase()
 }
 
 /// The text of a file that may hold a measurement, and its encoding in words. Where a mapping of columns is
@@ -88,12 +66,12 @@ fn encoding_of(
     let marked = Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
     match (marked, stated) {
         (Some(marked), Some(stated)) if marked != stated => {
-            Err(refusals::other_mark(word(stated), file.path, marked.name()))
+            Err(refusals::other_mark(encoding_name(stated), file.path, marked.name()))
         }
         (Some(marked), _) => Ok((marked, " (byte order mark)")),
         (None, Some(stated)) => Ok((stated, ", as stated")),
         (None, None) => match unmarked_utf_16(file.bytes) {
-            Some(order) => Err(refusals::unmarked(file.path, word(order))),
+            Some(order) => Err(refusals::unmarked(file.path, encoding_name(order))),
             None => Ok((UTF_8, "")),
         },
     }
@@ -117,7 +95,8 @@ fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
     let at = text.find('\u{fffd}').unwrap_or(0);
     let place = Place::in_text(path, text, at, at + '\u{fffd}'.len_utf8());
     let others = ENCODINGS.iter().filter(|(other, users)| *other != encoding && !users.is_empty());
-    let others = others.map(|(other, users)| format!("`--encoding {}` ({users})", word(other)));
+    let others =
+        others.map(|(other, users)| format!("`--encoding {}` ({users})", encoding_name(other)));
     refusals::other_letter(encoding.name(), joined(others)).at(place)
 }
 

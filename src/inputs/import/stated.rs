@@ -4,12 +4,11 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::Component;
-use crate::inputs::import::encoding_word;
 use crate::inputs::refusals;
 use crate::quantity::{Axis, Direction};
-use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem};
+use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem, joined};
 use clap::{Args, ValueEnum};
-use encoding_rs::Encoding;
+use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use std::ops::RangeInclusive;
 
 /// Formats that can be read, in the order of the documentation.
@@ -201,6 +200,29 @@ pub(crate) fn number(text: &str, range: RangeInclusive<f64>, unit: &str) -> Resu
     number.filter(|number| range.contains(number)).ok_or_else(|| {
         format!("expected a number from {low} to {high} {unit}, with a decimal point")
     })
+}
+
+/// Encodings that may be stated, and who writes them.
+pub(super) const ENCODINGS: [(&Encoding, &str); 6] = [
+    (UTF_8, "newer programs"),
+    (WINDOWS_1252, "Windows in western Europe"),
+    (WINDOWS_1250, "Windows in central Europe"),
+    (GBK, "Windows in China"),
+    (UTF_16LE, ""),
+    (UTF_16BE, ""),
+];
+
+/// The encoding of a word such as `gbk`; `latin-1` is another word for `windows-1252`.
+pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
+    let name = if text == "latin-1" { "windows-1252" } else { text };
+    let found = ENCODINGS.iter().find(|(known, _)| encoding_name(known) == name);
+    let words = || joined(ENCODINGS.map(|(known, _)| encoding_name(known)));
+    found.map(|(known, _)| *known).ok_or_else(|| format!("expected {}", words()))
+}
+
+/// Its name in small letters.
+pub(super) fn encoding_name(encoding: &'static Encoding) -> String {
+    encoding.name().to_ascii_lowercase()
 }
 
 /// A fact that a file may not carry.
