@@ -29,7 +29,7 @@ use crate::inputs::kind::{has_column, head};
 use crate::inputs::refusals;
 pub(crate) use crate::inputs::refusals::{without_grid, without_unit};
 use crate::quantity::{Axis, Chain};
-use crate::text::{Key, Problem, Problems, Section, Source, read_page, read_page_over, states};
+use crate::text::{Key, Pages, Problem, Problems, Section, Source, read_page, states};
 use toml::de::{DeTable, DeValue};
 
 /// A checked job.
@@ -61,7 +61,7 @@ impl Job {
 
     /// Reads and checks a job for what is asked of it: keys that it does not need may be empty.
     pub fn read_for(source: Source, use_of: UseOf) -> Result<Job, Problems> {
-        Job::read_with(source, use_of, |_| ())
+        Job::read_with((source, &[], |_, _| ()), use_of, |_| ())
     }
 
     /// The same. One that is refused is refused for everything at once: also for a control that `find` does not
@@ -75,7 +75,7 @@ impl Job {
         find: impl Fn(&str) -> Result<Profile, Problems>,
         look_at: impl Fn(&str, bool) -> Result<(), Problems>,
     ) -> Result<Job, Problems> {
-        Job::read_with(source, use_of, |root| {
+        Job::read_with((source, &[], |_, _| ()), use_of, |root| {
             if let Some(compensation) = root.section("compensation") {
                 ask_for_all(&compensation, find);
             }
@@ -89,25 +89,22 @@ impl Job {
     }
 
     fn read_with(
-        source: Source,
+        pages: Pages<'_>,
         use_of: UseOf,
         besides: impl FnOnce(&Section<'_>),
     ) -> Result<Job, Problems> {
-        refuse_table(&source)?;
+        refuse_table(&pages.0)?;
         let needs = |key: &str| use_of.needs(key);
         let read = |root: &Section<'_>| job(root, use_of);
-        let (job, source) = read_page((source, &[], |_, _| ()), needs, read, besides)?;
+        let (job, source) = read_page(pages, needs, read, besides)?;
         Ok(Job { source, ..job })
     }
 
     /// Reads a job that is judged against a first one. Without [machine] it states what differs: every
     /// other key is that of the first job.
     pub(crate) fn read_second(source: Source, first: &Job) -> Result<Job, Problems> {
-        refuse_table(&source)?;
         let below: &[&str] = if states(&source, "machine") { &[] } else { &[&first.source.text] };
-        let read = |root: &Section<'_>| job(root, UseOf::Tables);
-        let (job, source) = read_page_over(source, below, lay_over, read)?;
-        Ok(Job { source, ..job })
+        Job::read_with((source, below, lay_over), UseOf::Tables, |_| ())
     }
 
     /// A problem at a key of the job, by its dotted path.

@@ -8,7 +8,7 @@ pub(crate) mod keys;
 mod page;
 mod section;
 
-pub(crate) use self::page::{read_page, read_page_over, states};
+pub(crate) use self::page::{Pages, read_page, states};
 
 pub use self::keys::Key;
 pub(crate) use self::keys::{part, section};
@@ -175,7 +175,8 @@ mod tests {
         let source = Source::from_bytes("job.toml", page.as_bytes()).expect("it is text");
         let read =
             |root: &Section<'_>| Some((root.whole_pairs("blocks"), root.entries("protocol")));
-        let (found, _) = read_page_over(source, &[], |_, _| (), read).expect("it is a page");
+        let (found, _) =
+            read_page((source, &[], |_, _| ()), |_| true, read, |_| ()).expect("it is a page");
         let protocol = vec![("serial".to_string(), "0x1F".to_string())];
         assert_eq!(found, (Some(vec![[16, 32]]), protocol));
     }

@@ -16,9 +16,7 @@ use crate::control::controller::{
     linuxcnc, siemens,
 };
 use crate::quantity::{Direction, Millimetres};
-use crate::text::{
-    Problems, Section, Source, Word, read_page_over, refuse_large_page, section, shown,
-};
+use crate::text::{Problems, Section, Source, Word, read_page, refuse_large_page, section, shown};
 use toml::de::{DeArray, DeTable, DeValue};
 
 /// Finds a built-in page by its id.
@@ -36,7 +34,7 @@ pub fn profile(
     let own_end = source.text.len();
     let templates = Templates { find: templates, own_end, proved: &proved() };
     let read = |root: &Section<'_>| read_profile(root, origin, &below, templates);
-    Ok(read_page_over(source, &below, lay_over, read)?.0)
+    Ok(read_page((source, &below, lay_over), |_| true, read, |_| ())?.0)
 }
 
 /// The pages that a page builds on, the nearest first.

@@ -146,14 +146,6 @@ impl Sizes {
         all.map(|(name, um)| format!("{name} {um:.4}"))
     }
 
-    fn read(words: &str) -> Option<Sizes> {
-        let mut sizes = Sizes::default();
-        for (name, um) in pairs(words)? {
-            *sizes.named(name)? = um;
-        }
-        Some(sizes)
-    }
-
     /// The one of this name.
     fn named(&mut self, name: &str) -> Option<&mut f64> {
         if let Some(term) = ErrorTerm::from_name(name) {
@@ -170,14 +162,18 @@ impl fmt::Display for Sizes {
     }
 }
 
-/// Name and size of each; `None` where one is none.
-fn pairs(words: &str) -> Option<Vec<(&str, f64)>> {
-    let pair = |pair| {
-        let (name, um) = str::trim(pair).split_once(' ')?;
+/// A figure of this name.
+type Named<T> = for<'a> fn(&'a mut T, &str) -> Option<&'a mut f64>;
+
+/// What is `named` by its names and sizes; `None` where a name or a size is none.
+fn sized<T: Default>(words: &str, named: Named<T>) -> Option<T> {
+    let mut found = T::default();
+    for pair in words.split(',') {
+        let (name, um) = pair.trim().split_once(' ')?;
         let um: f64 = um.trim().parse().ok()?;
-        (um.is_finite() && um >= 0.0).then_some((name, um))
-    };
-    words.split(',').map(pair).collect()
+        *named(&mut found, name)? = Some(um).filter(|um| um.is_finite() && *um >= 0.0)?;
+    }
+    Some(found)
 }
 
 /// How far the largest of the errors may lie off, drawn together, with 95 %, µm.
@@ -206,15 +202,16 @@ impl LargestErrors {
 
     fn read(words: &str) -> Option<LargestErrors> {
         let (zero, rest) = words.split_once(':')?;
-        let mut found = LargestErrors { zero: zero.trim().to_string(), ..LargestErrors::default() };
-        for (name, um) in pairs(rest)? {
-            *match name {
-                "all" => &mut found.all_um,
-                "ranges" => &mut found.ranges_um,
-                name => found.single.named(name)?,
-            } = um;
+        Some(LargestErrors { zero: zero.trim().to_string(), ..sized(rest, LargestErrors::named)? })
+    }
+
+    /// The one of this name.
+    fn named(&mut self, name: &str) -> Option<&mut f64> {
+        match name {
+            "all" => Some(&mut self.all_um),
+            "ranges" => Some(&mut self.ranges_um),
+            name => self.single.named(name),
         }
-        Some(found)
     }
 }
 
@@ -329,13 +326,14 @@ impl Remarks {
             Key::Note => self.notes.push(note(words)),
             Key::Largest => self.largest = LargestErrors::read(&words),
             Key::Measured => self.measured = LargestErrors::read(&words),
-            Key::Anew => self.anew = Sizes::read(&words),
+            Key::Anew => self.anew = sized(&words, Sizes::named),
             Key::SameLaser => {
-                let of =
-                    |(serial, words)| Some((str::trim(serial).to_string(), Sizes::read(words)?));
+                let of = |(serial, words)| {
+                    Some((str::trim(serial).to_string(), sized(words, Sizes::named)?))
+                };
                 self.same_laser = words.rsplit_once(':').and_then(of);
             }
-            Key::Doubtful => match Sizes::read(&words) {
+            Key::Doubtful => match sized(&words, Sizes::named) {
                 Some(sizes) => self.doubtful = Some(sizes),
                 None => self.doubts.push(doubtful(comment.to_string())),
             },

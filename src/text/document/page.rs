@@ -21,7 +21,7 @@ pub(crate) fn states(source: &Source, key: &str) -> bool {
 /// A page may build on others, the nearest first: `lay_over` takes into a page what it wants of the one below. The
 /// places below are those of a text in which one page follows the other.
 pub(crate) fn read_page<T>(
-    (mut source, below, lay_over): (Source, &[&str], LayOver),
+    (mut source, below, lay_over): Pages<'_>,
     needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
     besides: impl FnOnce(&Section<'_>),
@@ -58,18 +58,11 @@ pub(crate) fn read_page<T>(
     Ok((value.ok_or_else(|| Problem::new(format!("`{}` could not be read", source.name)))?, source))
 }
 
-/// The same of a page all of whose keys are needed.
-pub(crate) fn read_page_over<T>(
-    source: Source,
-    below: &[&str],
-    lay_over: LayOver,
-    read: impl FnOnce(&Section<'_>) -> Option<T>,
-) -> Result<(T, Source), Problems> {
-    read_page((source, below, lay_over), |_| true, read, |_| ())
-}
+/// A page, those that it builds on, and how it does.
+pub(crate) type Pages<'a> = (Source, &'a [&'a str], LayOver);
 
 /// Takes into a page what it wants of the one below.
-type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
+pub(crate) type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
 
 /// All keys that are to be filled in, as one problem that shows their lines.
 fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
