@@ -79,11 +79,6 @@ impl Output {
         self.place().map_or(Ok(()), |place| files.ensure(place, Kind::File, self.force))
     }
 
-    /// A long file beside its place, to write into.
-    pub(super) fn begin(&self, files: &dyn Files) -> Result<Begun, Problems> {
-        files.begin(self.place(), self.force)
-    }
-
     /// The screen or the document, and the file; where the file goes to standard output, the screen is
     /// talk. `next` is said behind the name of a file that was written.
     pub(super) fn deliver<D: Serialize>(

@@ -4,7 +4,7 @@ use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
 use crate::inputs::job::{Job, RunType, TargetGrid, UseOf};
-use crate::kit::manifest::MANIFEST;
+use crate::kit::manifest::{MANIFEST, bytes_of_kit};
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::{Axis, Figure};
 use crate::text::{Line, Problems, Source, counted, header_and_rows};
@@ -38,7 +38,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         kit = kit.without_form();
     }
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
-    let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
+    let (manifest, print) = (bytes_of_kit(&kit)?, options.output.print);
     let outcome = print.outcome(|| screen(job, &profile.name, &kit), || &kit)?;
     let next_steps = next_steps(directory, &kit, table);
     options.output.deliver_files(files, outcome, own, (MANIFEST, &manifest), next_steps)

@@ -160,12 +160,6 @@ fn for_all(own: &Policies) -> Vec<Policies> {
     all.filter(|other| other != own).collect()
 }
 
-/// The policies that a job could state instead: of one for all axes every other one; of one for each axis
-/// every other one for one of them.
-pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
-    if own.x.is_some() && one_for_all(own) { for_all(own) } else { for_one(own) }
-}
-
 /// Every other policy for one axis, the other axes as stated.
 fn for_one(own: &Policies) -> Vec<Policies> {
     let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
@@ -283,8 +277,10 @@ fn policies(made: &Made<'_>) -> Vec<Way> {
     let is_better = |(other, um): &(Alternative, f64)| {
         other.verdict < made.verdict || made.verdict == Verdict::Fail && *um < own_um - SHOWN_UM
     };
-    let others = other_policies(&made.inputs.job.compensation.backlash).into_iter();
-    let others = others.filter_map(|policies| {
+    // Of one policy for all axes every other one; of one for each axis every other one for one of them.
+    let own = &made.inputs.job.compensation.backlash;
+    let others = if own.x.is_some() && one_for_all(own) { for_all(own) } else { for_one(own) };
+    let others = others.into_iter().filter_map(|policies| {
         let other = Alternative::of(made.inputs, |asked| asked.backlash = policies).ok()?;
         let um = excess_um(&other.forecast);
         Some((other, um))

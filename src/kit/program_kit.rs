@@ -8,7 +8,7 @@ use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Evidence, Profile};
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
-use crate::kit::manifest::{self, HashedFile, SCHEMA};
+use crate::kit::manifest::{HashedFile, SCHEMA};
 use crate::kit::sha256;
 use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis, rounded};
 use crate::read::program::walk::{
@@ -85,11 +85,6 @@ impl ProgramKit {
         self.files.retain(|file| file.role != FileRole::Readings);
         self.listed.truncate(self.files.len()); // they are the last
         self
-    }
-
-    /// The bytes of `manifest.json`.
-    pub(crate) fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes_of_kit(self)?)
     }
 }
 

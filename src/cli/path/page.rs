@@ -292,7 +292,7 @@ impl Points {
         output: &Output,
         has_after: bool,
     ) -> Result<Points, Problems> {
-        let (long, ready) = output.begin(files)?;
+        let (long, ready) = files.begin(output.place(), output.force)?;
         let mut writer = BufWriter::with_capacity(1 << 18, long);
         let after = if has_after { AFTER } else { "" };
         let written = writeln!(writer, "{COLUMNS}{after}");

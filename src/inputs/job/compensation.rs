@@ -190,7 +190,7 @@ section! {
         /// Fanuc: first straightness set that is free, from 1
         pub first_set: Option<u32> = count(1..=u32::MAX, "sets count from 1");
         /// every axis that moves in a compensated term
-        pub axes: PerAxis<Option<AxisSettings>> = axis_sections(axis_settings);
+        pub axes: PerAxis<Option<AxisSettings>> = axes(|s, axis| s.sub(axis.key(), axis_settings));
     }
 }
 

@@ -55,15 +55,6 @@ impl Section<'_> {
         self.sub(key, |s| Some(PerAxis::from_fn(|axis| read(s, axis)))).unwrap_or_default()
     }
 
-    /// Sub-sections of this kind, one for each axis.
-    pub(crate) fn axis_sections<T>(
-        &self,
-        key: &'static str,
-        read: impl Fn(&Section<'_>) -> Option<T>,
-    ) -> PerAxis<Option<T>> {
-        self.axes(key, |s, axis| s.sub(axis.key(), &read))
-    }
-
     /// What a function makes of the key.
     pub(crate) fn with<T>(
         &self,
