@@ -258,8 +258,7 @@ pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>, run: Run) -> An
         let is_open = !options.iter().any(|word| word.starts_with("--format"));
         let format = is_open.then_some(["--format", "json"]).into_iter().flatten();
         let words = std::iter::once(&question.command).chain(&job).chain(&options);
-        let words: Vec<&str> = words.map(String::as_str).chain(format).collect();
-        let answer = run(&memory, &words);
+        let answer = run(&memory, &words.map(String::as_str).chain(format).collect::<Vec<_>>());
         let mut made = memory.all();
         made.retain(|name, bytes| given.get(name) != Some(bytes));
         Ok((answer, made))

@@ -145,8 +145,7 @@ fn find(files: &dyn Files, kit: &Path, path: &str, hash: &str) -> Result<Link, S
         (1..).map(|number| previous(place, number)).take_while(|kept| files.kind(kept).is_ok())
     });
     let places = beside.iter().cloned().chain(kept);
-    let found = places.filter_map(|place| read_link(files, &place).ok());
-    let found: Vec<Link> = found.collect();
+    let found: Vec<Link> = places.filter_map(|place| read_link(files, &place).ok()).collect();
     let other = found.first().map(|link| link.directory.clone());
     match (found.into_iter().find(|link| link.manifest_sha256 == hash), other) {
         (Some(link), _) => Ok(link),

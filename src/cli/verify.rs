@@ -374,8 +374,8 @@ fn explanation(look: &SecondLook) -> Vec<String> {
 
 /// A figure as measured and as forecast.
 fn figures(of: &Change, is_term: bool) -> Value {
-    let mut figures = json!({ "before_um": of.before_um, "forecast_um": of.after_um, "u_um": of.u_um,
-        "expanded_um": of.expanded_um, "at_most_um": of.at_most_um });
+    let mut figures = json!({ "before_um": of.before_um, "forecast_um": of.after_um,
+        "u_um": of.u_um, "expanded_um": of.expanded_um, "at_most_um": of.at_most_um });
     if is_term {
         figures["max_residual_um"] = json!(of.after_um);
     }

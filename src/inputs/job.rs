@@ -95,8 +95,7 @@ impl Job {
     ) -> Result<Job, Problems> {
         refuse_table(&pages.0)?;
         let needs = |key: &str| use_of.needs(key);
-        let read = |root: &Section<'_>| job(root, use_of);
-        let (job, source) = read_page(pages, needs, read, besides)?;
+        let (job, source) = read_page(pages, needs, |root| job(root, use_of), besides)?;
         Ok(Job { source, ..job })
     }
 

@@ -101,7 +101,10 @@ fn headline(page: &Page) -> String {
     let mut lines =
         vec![format!("volumetric accuracy {:.3} µm: {claim}", before.definitions.va_um)];
     lines.extend(page.after.as_ref().map(|after| {
-        let hedge = if after.figures.definitions.va_exact { "" } else { " at these nodes; other places may differ by more" };
+        let hedge = match after.figures.definitions.va_exact {
+            true => "",
+            false => " at these nodes; other places may differ by more",
+        };
         let va = after.figures.definitions.va_um;
         let from = &after.from;
         format!("with the tables {va:.3} µm{hedge}: {from}, read back from their bytes; angular errors stay unless a table holds them")

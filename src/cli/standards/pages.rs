@@ -356,11 +356,10 @@ impl DiagonalPage {
             ("", "ASME B5.54: max - min over all diagonals", all.range_over_all_um),
         ];
         let rows = rows.map(|(name, what, figure)| format!("{name}\t{what}\t{}", um(figure)));
-        let heading = format!("conditions of ISO 230-6 ({LIKELY})");
         Screen {
             figures: paragraphs(&[all.table(), table("figure\t\t>value/µm", rows)]),
             findings: [missed(list), show::notes(notes)].concat(),
-            more: vec![conditions(&heading, list)],
+            more: vec![conditions(&format!("conditions of ISO 230-6 ({LIKELY})"), list)],
             ..Screen::of(format!(
                 "{} - body diagonals, runs: {}\nfigures in the style of ISO 230-6:2002 and ASME B5.54\n{}",
                 self.name,
