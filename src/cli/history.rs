@@ -36,7 +36,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let chain = follow(files, &options.directory)?;
-    Ok(options.print.outcome(|| screen(&chain), || &chain)?.answering(chain.is_sound()))
+    let is_sound = chain.broken.is_none() && chain.kits.iter().all(|link| link.faults.is_empty());
+    Ok(options.print.outcome(|| screen(&chain), || &chain)?.answering(is_sound))
 }
 
 /// One kit of the chain, as scripts read it.
@@ -65,12 +66,6 @@ struct Chain {
     #[serde(rename = "break")]
     broken: Option<String>,
     read_out: Option<Value>,
-}
-
-impl Chain {
-    fn is_sound(&self) -> bool {
-        self.broken.is_none() && self.kits.iter().all(|link| link.faults.is_empty())
-    }
 }
 
 fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {

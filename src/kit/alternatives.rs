@@ -233,16 +233,14 @@ pub(super) fn ways(made: &Made<'_>) -> Vec<Finding> {
     let mut ways: Vec<Way> = as_found(made).into_iter().collect();
     if made.verdict != Verdict::Pass {
         ways.extend(policies(made));
-        ways.extend(of_terms(made));
+        ways.extend(of_terms(made).into_iter().flatten());
     }
     ways.into_iter().map(Finding::from).collect()
 }
 
 /// What keeps single terms from their limit: points too far apart, no table.
-fn of_terms(made: &Made<'_>) -> Vec<Way> {
-    let Some(limit_um) = made.inputs.job.acceptance.max_deviation_um else {
-        return Vec::new();
-    };
+fn of_terms(made: &Made<'_>) -> Option<impl Iterator<Item = Way>> {
+    let limit_um = made.inputs.job.acceptance.max_deviation_um?;
     let grid_um = |term: ErrorTerm| {
         let own = made.compiled.placements.iter().filter(|p| p.term == term);
         own.map(|p| p.grid_residual_um).fold(0.0, larger)
@@ -254,7 +252,7 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
     let none: Vec<ErrorTerm> = none.into_iter().map(|t| t.term).collect();
     let largest_um = grid.iter().map(|term| grid_um(*term)).fold(0.0, larger);
     let grid = (!grid.is_empty()).then_some(Way::Grid { terms: grid, largest_um });
-    grid.into_iter().chain((!none.is_empty()).then_some(Way::NoTable { terms: none })).collect()
+    Some(grid.into_iter().chain((!none.is_empty()).then_some(Way::NoTable { terms: none })))
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.

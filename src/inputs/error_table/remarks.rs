@@ -138,6 +138,11 @@ impl Sizes {
         self.diagonals.iter().map(|(_, um)| *um).fold(0.0, f64::max)
     }
 
+    /// As the comment of a table has them.
+    fn text(&self) -> String {
+        joined(self.words())
+    }
+
     /// Those that are more than nothing.
     fn words(&self) -> impl Iterator<Item = String> {
         let terms = self.terms.iter().map(|(term, um)| (term.to_string(), *um));
@@ -153,12 +158,6 @@ impl Sizes {
         }
         let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == name)?;
         Some(&mut self.diagonals[diagonal])
-    }
-}
-
-impl fmt::Display for Sizes {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&joined(self.words()))
     }
 }
 
@@ -205,6 +204,13 @@ impl LargestErrors {
         Some(LargestErrors { zero: zero.trim().to_string(), ..sized(rest, LargestErrors::named)? })
     }
 
+    /// As the comment of a table has them.
+    fn text(&self) -> String {
+        let both = [("all", self.all_um), ("ranges", self.ranges_um)];
+        let both = both.into_iter().map(|(name, um)| format!("{name} {um:.4}"));
+        format!("{}: {}", self.zero, joined(both.chain(self.single.words())))
+    }
+
     /// The one of this name.
     fn named(&mut self, name: &str) -> Option<&mut f64> {
         match name {
@@ -212,14 +218,6 @@ impl LargestErrors {
             "ranges" => Some(&mut self.ranges_um),
             name => self.single.named(name),
         }
-    }
-}
-
-impl fmt::Display for LargestErrors {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let both = [("all", self.all_um), ("ranges", self.ranges_um)];
-        let both = both.into_iter().map(|(name, um)| format!("{name} {um:.4}"));
-        write!(out, "{}: {}", self.zero, joined(both.chain(self.single.words())))
     }
 }
 
@@ -382,7 +380,7 @@ impl Remarks {
         let missing = self.not_determined.iter().map(|(term, why)| format!("{term}: {why}"));
         let reversal = self.hidden_reversal_um.map(|um| format!("{um:.3} um along the diagonals"));
         let same_laser = self.same_laser.as_ref();
-        let same_laser = same_laser.map(|(serial, sizes)| format!("{serial}: {sizes}"));
+        let same_laser = same_laser.map(|(serial, sizes)| format!("{serial}: {}", sizes.text()));
         let places = self.lines.map(|at| joined(at.iter().map(|(_, place)| place.mm())));
         let mut lines = Vec::new();
         tell(&mut lines, Key::Doubt, &self.doubts);
@@ -390,11 +388,11 @@ impl Remarks {
         tell(&mut lines, Key::Reversal, reversal);
         tell(&mut lines, Key::Freedom, self.degrees_of_freedom);
         lines.extend(self.silence.lines());
-        tell(&mut lines, Key::Largest, &self.largest);
-        tell(&mut lines, Key::Measured, &self.measured);
-        tell(&mut lines, Key::Anew, &self.anew);
+        tell(&mut lines, Key::Largest, self.largest.as_ref().map(LargestErrors::text));
+        tell(&mut lines, Key::Measured, self.measured.as_ref().map(LargestErrors::text));
+        tell(&mut lines, Key::Anew, self.anew.as_ref().map(Sizes::text));
         tell(&mut lines, Key::SameLaser, same_laser);
-        tell(&mut lines, Key::Doubtful, &self.doubtful);
+        tell(&mut lines, Key::Doubtful, self.doubtful.as_ref().map(Sizes::text));
         tell(&mut lines, Key::Frame, self.frame.map(Frame::word));
         tell(&mut lines, Key::Lines, places);
         tell(&mut lines, Key::Note, &self.notes);
