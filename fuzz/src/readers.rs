@@ -94,18 +94,17 @@ pub fn import(input: &[u8]) -> Answer {
     let bytes = bundle.0.last().map_or(&[][..], |(_, bytes)| bytes);
     let file = Measurement { path: "x", name: "x", sha256: "0", bytes };
     let mut stated = Stated::default();
-    let (mut from, mut encoding) = (None, None);
     let words: Vec<&str> = options.split_whitespace().collect();
     for pair in words.windows(2) {
         match pair[0] {
-            "--from" => from = choice(pair[1]),
-            "--encoding" => encoding = encoding_word(pair[1]).ok(),
+            "--from" => stated.from = choice(pair[1]),
+            "--encoding" => stated.encoding = encoding_word(pair[1]).ok(),
             option => state(&mut stated, option, pair[1]),
         }
     }
     let single = Stated { columns: None, ..stated.clone() };
-    let runs = measured_runs(file, encoding, &single).is_ok();
-    let imported = import_file(file, from, encoding, &stated)?;
+    let runs = measured_runs(file, &single).is_ok();
+    let imported = import_file(file, &stated)?;
     // Findings are made fit for a terminal where they are printed; the target `commands` looks at that.
     let findings = imported.findings.len();
     Ok(format!("{}\n{findings} {runs}", imported.text))

@@ -258,8 +258,7 @@ pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>, run: Run) -> An
         let is_open = !options.iter().any(|word| word.starts_with("--format"));
         let format = is_open.then_some(["--format", "json"]).into_iter().flatten();
         let words = std::iter::once(&question.command).chain(&job).chain(&options);
-        let words: Vec<&str> = words.map(String::as_str).chain(format).collect();
-        let answer = run(&memory, &words);
+        let answer = run(&memory, &words.map(String::as_str).chain(format).collect::<Vec<_>>());
         let mut made = memory.all();
         made.retain(|name, bytes| given.get(name) != Some(bytes));
         Ok((answer, made))
@@ -288,12 +287,11 @@ fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) ->
         Err(other) => Value::from(other.into_bytes()),
     };
     let document = serde_json::from_slice(&answer.out);
-    let said = if answer.status == 2 { answer.err.as_str() } else { "" };
     let line = Line {
         id,
         document: document.unwrap_or_else(|_| text(answer.out.clone())),
         problems: &answer.problems,
-        said,
+        said: if answer.status == 2 { answer.err.as_str() } else { "" },
         files: files.into_iter().map(|(name, bytes)| (name, text(bytes))).collect(),
     };
     // What is derived has only keys that are words.
@@ -329,8 +327,7 @@ fn memory(
         };
         held.push((name, bytes));
     }
-    let held = held.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-    Ok((Memory::of(held), path))
+    Ok((Memory::of(held.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))), path))
 }
 
 /// Columns as a table (CSV); `null` = an empty cell. `remarks` are its comments.
@@ -365,8 +362,7 @@ fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
     }
     text += &(names.join(",") + "\n");
     for row in 0..rows {
-        let cells: Vec<&str> = lists.iter().map(|list| list[row].as_str()).collect();
-        text += &(cells.join(",") + "\n");
+        text += &(lists.iter().map(|list| list[row].as_str()).collect::<Vec<_>>().join(",") + "\n");
     }
     Ok(text)
 }

@@ -309,8 +309,7 @@ fn bounded(name: &str, length: u64, input: impl Read) -> Result<Vec<u8>, Problem
     }
     let expected = usize::try_from(length).unwrap_or(0);
     let mut bytes = Vec::with_capacity(expected + 1);
-    let read = input.take(limit + 1).read_to_end(&mut bytes);
-    read.map_err(|error| unreadable(name, &error))?;
+    input.take(limit + 1).read_to_end(&mut bytes).map_err(|error| unreadable(name, &error))?;
     if bytes.len() as u64 > limit {
         return Err(too_long(name));
     }

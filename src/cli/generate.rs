@@ -15,7 +15,7 @@ use crate::text::Problems;
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 // Options of `generate`.
@@ -128,8 +128,7 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
 /// The checklist of a kit: of several that say the same the last one, which is the page to be printed.
 fn checklist(kit: &Kit) -> Option<&str> {
     let mut files = kit.files.iter().rev();
-    let found = files.find(|file| file.role == Role::Checklist);
-    found.map(|file| file.path.as_str())
+    files.find(|file| file.role == Role::Checklist).map(|file| file.path.as_str())
 }
 
 /// Archive, what switches off, and where the order of loading stands.
@@ -156,23 +155,12 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
 /// `--compare`: backlash policies and spacings side by side.
 fn side_by_side(inputs: &Inputs, print: Print) -> Result<Outcome, Problems> {
     let compared = compare(inputs);
-    let document = || SideBySide {
-        schema: 1,
-        machine: &inputs.job.machine.name,
-        controller: &inputs.profile.id,
-        compared: &compared,
+    let document = || {
+        json!({ "schema": 1, "machine": inputs.job.machine.name,
+            "controller": inputs.profile.id, "compared": compared })
     };
     let outcome = print.outcome(|| screen_of_all(inputs, &compared), document)?;
     Ok(outcome.answering(compared.first().is_some_and(passes)))
-}
-
-/// What scripts read of it.
-#[derive(Serialize)]
-struct SideBySide<'a> {
-    schema: u32,
-    machine: &'a str,
-    controller: &'a str,
-    compared: &'a [Compared],
 }
 
 fn passes(compared: &Compared) -> bool {
@@ -197,16 +185,15 @@ fn screen_of_all(inputs: &Inputs, compared: &[Compared]) -> Screen {
         Some(format!("{}, {}: {first}", policy(c, &own), c.spacing.word()))
     };
     Screen {
-        verdict: format!(
-            "{verdict}\nmachine {} - {}; nothing is written",
-            job.machine.name, inputs.profile.name
-        ),
         figures: paragraphs(&[format!(
             "{}\n  the first line is the job; spacing: as it asks, half and twice of it (or of its residual)\n  backlash: of all axes, or of the axis that is named with the others as in the job\n  term, diag.: of which most is left, µm; U: 95 %, - = not stated",
             table(heading, compared.iter().map(|c| row(c, &own)))
         )]),
         findings: compared.iter().filter_map(refused).collect(),
-        ..Screen::default()
+        ..Screen::of(format!(
+            "{verdict}\nmachine {} - {}; nothing is written",
+            job.machine.name, inputs.profile.name
+        ))
     }
 }
 

@@ -10,7 +10,7 @@
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::Screen;
 use crate::control::controller::Role;
-use crate::judge::active::{Fault, faults};
+use crate::judge::active::faults;
 use crate::judge::findings::FileFault;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::sha256;
@@ -36,8 +36,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let chain = follow(files, &options.directory)?;
-    let outcome = options.print.outcome(|| screen(&chain), || &chain)?;
-    Ok(outcome.answering(chain.is_sound()))
+    let is_sound = chain.broken.is_none() && chain.kits.iter().all(|link| link.faults.is_empty());
+    Ok(options.print.outcome(|| screen(&chain), || &chain)?.answering(is_sound))
 }
 
 /// One kit of the chain, as scripts read it.
@@ -68,12 +68,6 @@ struct Chain {
     read_out: Option<Value>,
 }
 
-impl Chain {
-    fn is_sound(&self) -> bool {
-        self.broken.is_none() && self.kits.iter().all(|link| link.faults.is_empty())
-    }
-}
-
 fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
     let help = "name the directory of a kit, as `nonius generate` wrote it";
     let first = read_link(files, directory).map_err(|problem| problem.help(help))?;
@@ -87,8 +81,7 @@ fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
             return Ok(chain);
         }
         let Some(hash) = predecessor["manifest_sha256"].as_str() else {
-            let read_out = Some(predecessor.clone());
-            return Ok(Chain { end: "read-out", read_out, ..chain });
+            return Ok(Chain { end: "read-out", read_out: Some(predecessor.clone()), ..chain });
         };
         let found = match chain.kits.len() < LONGEST_CHAIN {
             true => find(files, Path::new(&link.directory), path, hash),
@@ -122,11 +115,10 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
             Err(_) => Ok(None),
         }
     };
-    let is_made = |fault: &Fault| {
+    let faults = faults(&manifest, read).into_iter().filter(|fault| {
         let written_into = fault.role.is_some_and(Role::is_written_into);
         !written_into || matches!(fault.kind, FileFault::Missing { .. })
-    };
-    let faults = faults(&manifest, read).into_iter().filter(is_made);
+    });
     Ok(Link {
         directory: with_slashes(directory),
         manifest_sha256: sha256(&bytes),
@@ -145,15 +137,12 @@ fn find(files: &dyn Files, kit: &Path, path: &str, hash: &str) -> Result<Link, S
     let last = Path::new(path).file_name().unwrap_or_default();
     let beside = [kit.join(path), parent.join(path), parent.join(last)];
     let kept = beside.iter().flat_map(|place| {
-        let numbered = (1..).map(|number| previous(place, number));
-        numbered.take_while(|kept| files.kind(kept).is_ok())
+        (1..).map(|number| previous(place, number)).take_while(|kept| files.kind(kept).is_ok())
     });
     let places = beside.iter().cloned().chain(kept).filter(|place| place != kit);
-    let found = places.filter_map(|place| read_link(files, &place).ok());
-    let found: Vec<Link> = found.collect();
+    let found: Vec<Link> = places.filter_map(|place| read_link(files, &place).ok()).collect();
     let other = found.first().map(|link| link.directory.clone());
-    let same = found.into_iter().find(|link| link.manifest_sha256 == hash);
-    match (same, other) {
+    match (found.into_iter().find(|link| link.manifest_sha256 == hash), other) {
         (Some(link), _) => Ok(link),
         (None, Some(place)) => Err(format!(
             "`{}` is another kit than the predecessor: the hash of its manifest differs",

@@ -57,10 +57,8 @@ type Ends = ((f64, f64), bool);
 /// `800` = 0 … 800, `-400:0` = both ends, `-16:0in` = both in inches.
 fn ends(text: &str) -> Result<Ends, String> {
     let (low, high) = text.split_once(':').unwrap_or(("0", text));
-    let (high, mm) = match high.trim().strip_suffix("in") {
-        Some(inches) => (inches, MM_PER_INCH),
-        None => (high, 1.0),
-    };
+    let (high, mm) =
+        high.trim().strip_suffix("in").map_or((high, 1.0), |inches| (inches, MM_PER_INCH));
     let number = |text: &str| Some(mm * text.trim().parse::<f64>().ok()?);
     let ends = number(low).zip(number(high));
     let is_travel =
@@ -92,15 +90,13 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let document = json!({ "schema": 1, "controller": profile.id, "files": names,
         "steps": begun.steps, "next": next });
     let screen = Screen {
-        verdict: format!(
+        always: words,
+        ..Screen::of(format!(
             "{}: fill in every \"\" of {JOB}, and the empty cells of {}",
             profile.name, begun.measured
-        ),
-        always: words,
-        ..Screen::default()
+        ))
     };
-    let stages = stages.iter();
-    let stages = stages.map(|(words, all)| format!("{words}\n    {}", all.join("\n    ")));
+    let stages = stages.iter().map(|(words, all)| format!("{words}\n    {}", all.join("\n    ")));
     let stages: Vec<String> = stages.collect();
     let (place, names) = (printed(directory), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n  {}", stages.join("\n  "));

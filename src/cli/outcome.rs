@@ -8,10 +8,8 @@ use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
-use serde::ser::Error as _;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use std::io::{Cursor, ErrorKind, Write};
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -81,11 +79,6 @@ impl Output {
         self.place().map_or(Ok(()), |place| files.ensure(place, Kind::File, self.force))
     }
 
-    /// A long file beside its place, to write into.
-    pub(super) fn begin(&self, files: &dyn Files) -> Result<Begun, Problems> {
-        files.begin(self.place(), self.force)
-    }
-
     /// The screen or the document, and the file; where the file goes to standard output, the screen is
     /// talk. `next` is said behind the name of a file that was written.
     pub(super) fn deliver<D: Serialize>(
@@ -136,23 +129,6 @@ impl Output {
         let ready = files.write_folder(self.directory(), &own, self.force)?;
         Ok(outcome.writing(ready).saying(self.print.detail, next_steps))
     }
-}
-
-/// A number within a range; beyond it a unit was mistaken.
-pub(super) fn number(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
-    let number: Option<f64> = text.parse().ok();
-    let (low, high) = (range.start(), range.end());
-    let found = number.filter(|number| range.contains(number));
-    found.ok_or_else(|| {
-        format!("expected a number from {low} to {high} {unit}, with a decimal point")
-    })
-}
-
-/// A number above 0.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok();
-    let number = number.filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0, e.g. 10".to_string())
 }
 
 /// What a file is to hold, where it is in memory.
@@ -242,19 +218,6 @@ impl Outcome {
     }
 }
 
-/// A document without what is not known.
-pub(super) struct Known<T>(pub(super) T);
-
-impl<T: Serialize> Serialize for Known<T> {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let mut document = serde_json::to_value(&self.0).map_err(S::Error::custom)?;
-        if let Some(fields) = document.as_object_mut() {
-            fields.retain(|_, value| !value.is_null());
-        }
-        document.serialize(to)
-    }
-}
-
 /// Whether whoever reads the output went away (`| head`), which is no failure.
 pub(super) fn is_reader_gone(error: &std::io::Error) -> bool {
     // ERROR_NO_DATA and ERROR_PIPE_NOT_CONNECTED of Windows; no other system has errors of these numbers.
@@ -295,8 +258,7 @@ impl Plot {
         };
         let texts = Texts::english()?;
         let locale = Locale { texts: &texts, shown: Shown::Metric };
-        let bytes = picture(locale).svg(locale).into_bytes();
-        Ok(outcome.writing(files.write(place, &bytes, force)?))
+        Ok(outcome.writing(files.write(place, &picture(locale).svg(locale).into_bytes(), force)?))
     }
 }
 

@@ -87,8 +87,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
     let before = found(before, &program)?;
     let after = after.map(|profile| found(profile, &program)).transpose()?;
     let after = tables.zip(after).map(|(tables, followed)| tables.with(followed));
-    let page = Page { program, inputs, volume, ran, before, after, holes, traces };
-    Ok((page, points))
+    Ok((Page { program, inputs, volume, ran, before, after, holes, traces }, points))
 }
 
 /// No control reads a longer line.

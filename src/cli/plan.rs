@@ -1,8 +1,9 @@
 //! `nonius plan JOB`
 
-use crate::cli::outcome::{Outcome, Print, number};
+use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::{More, Screen, list, paragraphs, table, wrapped};
 use crate::cli::show::um;
+use crate::inputs::import::stated::number;
 use crate::inputs::job::{Job, UseOf};
 use crate::judge::findings::joined;
 use crate::kit::visit_plan::{Design, SetUpTimes, Visit, VisitPlan, listed as in_words, plan};
@@ -121,7 +122,6 @@ impl VisitPlan<'_> {
         let asked = self.design.noise_asked().into_iter().map(|finding| finding.to_string());
         let short = described.shortcomings().into_iter().map(|of| format!("as described: {of}"));
         Screen {
-            verdict: format!("{}: {}", self.design.job.machine.name, lines.join("\n")),
             figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
             findings: asked.chain(short).collect(),
             more: vec![More::new(
@@ -129,7 +129,7 @@ impl VisitPlan<'_> {
                 ["label", "labels"],
                 list("labels of the separation", &labels),
             )],
-            ..Screen::default()
+            ..Screen::of(format!("{}: {}", self.design.job.machine.name, lines.join("\n")))
         }
     }
 
@@ -209,18 +209,16 @@ impl VisitPlan<'_> {
                 um(visit.at_most_um())
             )
         };
-        let rows = self.visits.iter().enumerate().map(row);
         table(
             "\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes",
-            rows,
+            self.visits.iter().enumerate().map(row),
         )
     }
 }
 
 /// a, b, c …
 fn letter(index: usize) -> String {
-    let letters = ('a'..='z').nth(index);
-    letters.map_or_else(|| index.to_string(), String::from)
+    ('a'..='z').nth(index).map_or_else(|| index.to_string(), String::from)
 }
 
 fn or_dash(words: String) -> String {

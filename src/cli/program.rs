@@ -3,8 +3,8 @@
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
-use crate::inputs::job::{Job, MeasuredData, RunType, TargetGrid, UseOf};
-use crate::kit::manifest::MANIFEST;
+use crate::inputs::job::{Job, RunType, TargetGrid, UseOf};
+use crate::kit::manifest::{MANIFEST, bytes_of_kit};
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::{Axis, Figure};
 use crate::text::{Line, Problems, Source, counted, header_and_rows};
@@ -38,7 +38,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         kit = kit.without_form();
     }
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
-    let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
+    let (manifest, print) = (bytes_of_kit(&kit)?, options.output.print);
     let outcome = print.outcome(|| screen(job, &profile.name, &kit), || &kit)?;
     let next_steps = next_steps(directory, &kit, table);
     options.output.deliver_files(files, outcome, own, (MANIFEST, &manifest), next_steps)
@@ -53,9 +53,7 @@ struct Table {
 
 impl Table {
     fn of(named: &JobFiles<'_>, kit: &ProgramKit) -> Option<Table> {
-        let MeasuredData::Diagonals(measured) = &named.job.measurement.data else {
-            return None;
-        };
+        let measured = named.job.measurement.diagonals()?;
         if kit.request.what.path() != Some(measured.kind) {
             return None;
         }
@@ -72,19 +70,17 @@ impl Table {
 }
 
 fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
-    let heading = format!("{} - {control}: {}", job.machine.name, kit.request.what.word());
     Screen {
-        verdict: heading,
         figures: paragraphs(&[
             motion(kit),
             not_determined(job, kit),
             files(kit),
             reach(job, kit),
-            mirror(kit),
+            mirror(kit).unwrap_or_default(),
         ]),
         findings: show::notes(&kit.notes),
         more: vec![show::assumptions(&kit.assumptions), show::preconditions(&kit.preconditions)],
-        ..Screen::default()
+        ..Screen::of(format!("{} - {control}: {}", job.machine.name, kit.request.what.word()))
     }
 }
 
@@ -130,8 +126,7 @@ fn not_determined(job: &Job, kit: &ProgramKit) -> String {
 }
 
 fn files(kit: &ProgramKit) -> String {
-    let programs = kit.run.programs.iter().zip(&kit.files);
-    let rows = programs.map(|(program, file)| {
+    let rows = kit.run.programs.iter().zip(&kit.files).map(|(program, file)| {
         let (subject, readings) = (program.subject, program.readings.len());
         format!("{}\t{subject}\t{readings}", file.path)
     });
@@ -149,14 +144,12 @@ fn reach(job: &Job, kit: &ProgramKit) -> String {
     table("axis\t>from/mm\t>to/mm\t>travel/mm\t>to/mm", Axis::ALL.into_iter().filter_map(row))
 }
 
-fn mirror(kit: &ProgramKit) -> String {
-    let Some(size) = kit.run.mirror else {
-        return String::new();
-    };
+fn mirror(kit: &ProgramKit) -> Option<String> {
+    let size = kit.run.mirror?;
     let ([first, second], farthest, circle) = (size.excursion_mm, size.farthest_mm, size.circle_mm);
-    format!(
+    Some(format!(
         "sideways on the mirror: {first:.1} mm after the first move, {second:.1} mm after the second, {farthest:.1} mm at most with preload and overrun\nmirror: a circle of {circle:.1} mm and the diameter of the beam around it"
-    )
+    ))
 }
 
 fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> String {

@@ -3,7 +3,6 @@
 use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::Screen;
 use crate::cli::{assess, standards, verify};
-use crate::control::claims::Assumption;
 use crate::control::controller::Template;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
@@ -18,7 +17,7 @@ use crate::visit::inputs;
 use crate::visit::job_files::{Given, JobFiles};
 use clap::Args;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -79,16 +78,9 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             false => format!("verdict on the page: {word}"),
         })
     };
-    let document = || Document { schema: 1, verdict: word };
+    let document = || json!({ "schema": 1, "verdict": word });
     let outcome = options.output.deliver(files, Some(content), screen, document, "")?;
     Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
-}
-
-/// What scripts read.
-#[derive(Serialize)]
-struct Document {
-    schema: u32,
-    verdict: &'static str,
 }
 
 /// What stands for the verdict where there are no tables.
@@ -120,7 +112,7 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
     if let ErrorSource::Separated { separation, readings, .. } = &inputs.errors {
         let page = standards::of_separation(readings, separation)?;
         let picture = page.picture(locale, &locale.words("readings_corrected"));
-        visit.add("standards", &page, ("readings", picture))?;
+        visit.add("standards", &page.document(), ("readings", picture))?;
     }
     Ok((inputs.job, visit))
 }
@@ -148,8 +140,7 @@ fn with_tables(
     let said = |findings: &[Finding]| findings.iter().map(ToString::to_string).collect();
     visit.doubts = said(page.doubts());
     visit.disagreements = said(&page.verification.disagreements());
-    let matter = |assumed: &&Assumption| assumed.without_effect.is_none();
-    let assumed = page.assumptions().iter().filter(matter);
+    let assumed = page.assumptions().iter().filter(|assumed| assumed.without_effect.is_none());
     visit.assumptions = assumed.cloned().collect();
     visit.is_sign_shown = page.sign_shown().is_some();
     visit.is_measured = options.after.is_some();
@@ -174,8 +165,7 @@ impl Visit {
     fn found(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
         let (page, model) = (assess::for_report(inputs, None)?, inputs.as_measured());
         let doubts = page.doubts().iter().cloned();
-        let doubts = doubts.chain(model.doubts(|_| true));
-        let doubts = doubts.map(|doubt| doubt.to_string());
+        let doubts = doubts.chain(model.doubts(|_| true)).map(|doubt| doubt.to_string());
         let doubts = doubts.collect::<BTreeSet<_>>().into_iter().collect();
         let is_rehearsal = model.remarks.simulated().next().is_some();
         let mut visit = Visit { is_rehearsal, doubts, ..Visit::default() };
@@ -203,8 +193,7 @@ impl Visit {
         let file = Given::read(files, file)?;
         let page = standards::of_axis(&file)?;
         self.linear.push(file.hash.path.clone());
-        let name = linear_document(self.linear.len());
-        self.add(&name, &page, ("linear", page.picture(locale)))?;
+        self.add(&linear_document(self.linear.len()), &page, ("linear", page.picture(locale)))?;
         self.inputs.push(file.hash);
         Ok(())
     }
@@ -216,8 +205,7 @@ fn of_own_tables<'a>(visit: &mut Visit, inputs: &'a Inputs) -> Result<verify::Pa
     visit.documents["kit"] = rounded(&kit.manifest)?;
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
-    let state = serde_json::to_value(&kit.manifest.state).ok();
-    let verification = kit::verify(inputs, &kit.files, state.as_ref(), Vec::new())?;
+    let verification = kit::verify(inputs, &kit.files, Some(&kit.manifest.state), Vec::new())?;
     Ok(verify::Page::of(verification, None))
 }
 
@@ -298,8 +286,7 @@ fn is_jpeg(bytes: &[u8]) -> bool {
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
             return true;
         }
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        rest = rest.get(2 + length..).unwrap_or_default();
+        rest = rest.get(2 + usize::from(u16::from_be_bytes([high, low]))..).unwrap_or_default();
     }
     false
 }

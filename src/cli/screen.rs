@@ -25,25 +25,28 @@ pub(super) struct Detail {
     pub(super) quiet: bool,
 }
 
-/// What stands elsewhere, and is announced with its count.
+/// What stands elsewhere, and is announced.
 pub(super) struct More {
-    count: Option<usize>,
-    what: &'static str,
+    /// In words; empty where there is none.
+    what: String,
     text: String,
 }
 
 impl More {
     /// So many of something, e.g. one `assumption` or several `assumptions`, and all of it for `--explain`.
-    pub(super) fn new(count: usize, [one, several]: [&'static str; 2], text: String) -> More {
-        let what = if count == 1 { one } else { several };
-        let count = Some(count);
-        More { count, what, text }
+    pub(super) fn new(count: usize, [one, several]: [&str; 2], text: String) -> More {
+        let what = match count {
+            0 => String::new(),
+            1 => format!("1 {one}"),
+            many => format!("{many} {several}"),
+        };
+        More { what, text }
     }
 
     /// A part of the page that nobody counts, e.g. `closure`; empty where there is none.
-    pub(super) fn part(what: &'static str, text: String) -> More {
-        let count = (text.is_empty()).then_some(0);
-        More { count, what, text }
+    pub(super) fn part(what: &str, text: impl Into<Option<String>>) -> More {
+        let text = text.into().unwrap_or_default();
+        More { what: if text.is_empty() { String::new() } else { what.to_string() }, text }
     }
 }
 
@@ -78,8 +81,7 @@ impl Screen {
         let mut parts = vec![verdict, self.figures.clone()];
         let shown = if detail.explain { self.findings.len() } else { MOST_FINDINGS };
         let worst = self.findings.iter().take(shown).chain(&self.always);
-        let worst: Vec<String> = worst.map(|words| wrapped(words)).collect();
-        parts.push(worst.join("\n"));
+        parts.push(worst.map(|words| wrapped(words)).collect::<Vec<_>>().join("\n"));
         match detail.explain {
             true => parts.extend(self.more.iter().map(|more| more.text.clone())),
             false => parts.push(self.announced()),
@@ -91,11 +93,7 @@ impl Screen {
     fn announced(&self) -> String {
         let hidden = self.findings.len().saturating_sub(MOST_FINDINGS);
         let findings = (hidden > 0).then(|| counted(hidden, "more finding"));
-        let more = self.more.iter().filter(|more| more.count != Some(0));
-        let more = more.map(|more| match more.count {
-            None => more.what.to_string(),
-            Some(count) => format!("{count} {}", more.what),
-        });
+        let more = self.more.iter().map(|more| more.what.clone()).filter(|what| !what.is_empty());
         let all: Vec<String> = findings.into_iter().chain(more).collect();
         match all.is_empty() {
             true => String::new(),
@@ -168,8 +166,7 @@ pub(super) fn wrapped(text: &str) -> String {
 }
 
 fn broken_lines(text: &str) -> String {
-    let lines: Vec<String> = text.lines().map(broken).collect();
-    lines.join("\n")
+    text.lines().map(broken).collect::<Vec<_>>().join("\n")
 }
 
 fn broken(line: &str) -> String {

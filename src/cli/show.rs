@@ -8,13 +8,14 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
 use crate::kit::Inputs;
+use crate::kit::manifest::without;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::{Direction, ErrorTerm, Figure, Plane};
 use crate::text::{Finding, Named, Severity, joined, of_severity};
 use crate::write::compensation::Placement;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::fmt::Display;
 
 /// The nine errors of a job as found, as forecast with the tables that are loaded, as left.
@@ -84,9 +85,8 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
         let without = if t.term.is_positioning() { reversal.as_str() } else { "" };
         format!("{}\t{}\t{place}{without}", t.term, figures(&t.change))
     });
-    let missing = forecast.not_determined.iter();
     let is_kept = |term| placements.iter().any(|p| p.term == term);
-    let missing = missing.map(|term| {
+    let missing = forecast.not_determined.iter().map(|term| {
         let place = places(placements, *term, is_kept(*term));
         format!("{term}\tnot determined\t-\t-\t{place}")
     });
@@ -260,19 +260,7 @@ pub(super) fn questions(notes: &[Finding]) -> impl Iterator<Item = String> {
 
 /// Notes as findings.
 pub(super) fn notes(notes: impl IntoIterator<Item = impl Display>) -> Vec<String> {
-    let notes = notes.into_iter();
-    notes.map(|note| format!("note: {note}")).collect()
-}
-
-/// What documents say of a plane.
-#[derive(Serialize)]
-pub(super) struct PlaneFigures {
-    pub(super) before_um_per_m: f64,
-    /// Only where there are tables.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) after_um_per_m: Option<Option<f64>>,
-    /// U of the last of them.
-    pub(super) expanded_um_per_m: Option<f64>,
+    notes.into_iter().map(|note| format!("note: {note}")).collect()
 }
 
 /// A machine as it was measured, and what it was measured with where that is known.
@@ -282,16 +270,18 @@ pub(super) type Measured<'a> = (&'a ErrorModel, Option<&'a ErrorSource>);
 pub(super) fn planes(
     found: Measured<'_>,
     left: Option<Option<Measured<'_>>>,
-) -> Named<&'static str, PlaneFigures> {
+) -> Named<&'static str, Value> {
     let planes = Plane::ALL.into_iter().filter_map(|plane| {
         let before = squareness(found, plane)?;
         let after = left.flatten().and_then(|left| squareness(left, plane));
-        let figures = PlaneFigures {
-            before_um_per_m: before.0,
-            after_um_per_m: left.map(|_| after.map(|(um_per_m, _)| um_per_m)),
-            expanded_um_per_m: after.unwrap_or(before).1,
-        };
-        Some((plane.key(), figures))
+        let figures = json!({
+            "before_um_per_m": before.0,
+            "after_um_per_m": after.map(|(um_per_m, _)| um_per_m),
+            "expanded_um_per_m": after.unwrap_or(before).1, // U of the last of them
+        });
+        // That of tables only where there are any.
+        let is_absent = |key: &str| key == "after_um_per_m" && left.is_none();
+        Some((plane.key(), without(figures, |key, _| is_absent(key))))
     });
     planes.collect()
 }

@@ -1,12 +1,14 @@
 //! `nonius simulate JOB -o readings.csv`
 
-use crate::cli::outcome::{Outcome, Output, held, number};
+use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show;
 use crate::control::controller::KitFile;
 use crate::inputs::error_table;
+use crate::inputs::import::stated::number;
 use crate::inputs::job::UseOf;
 use crate::kit::findings::InRehearsal;
+use crate::kit::manifest::{flat, without};
 use crate::kit::simulate::{
     Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, SimulationSource, Wishes, readings,
     rehearsed, single_axes, write,
@@ -18,7 +20,7 @@ use crate::visit::files::{Files, file_name};
 use crate::visit::inputs::{self, read_directory};
 use crate::visit::job_files::Given;
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 
 // Options of `simulate`.
@@ -39,22 +41,8 @@ pub(super) struct Options {
     /// An error table instead: what single-axis measurements show at the measured positions
     #[arg(long, conflicts_with_all = ["straight", "both_directions"])]
     errors: bool,
-    /// Straight runs (all axes together), also where the job measures in steps
-    #[arg(long)]
-    straight: bool,
-    /// The way back too; a section [program] states it by itself
-    #[arg(long)]
-    both_directions: bool,
-    /// Number of runs [default: as [program] states, else 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
-    runs: Option<u32>,
-    /// Standard deviation of the noise of every reading, µm
-    #[arg(long, value_name = "S", default_value_t = 0.0,
-        value_parser = |text: &str| number(text, 0.0..=LARGEST_NOISE_UM, "µm"))]
-    noise_um: f64,
-    /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    wishes: Wishes,
     /// Growth of every scale since the measurement, µm/m (11.5 = steel, 1 K warmer)
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true,
         value_parser = |text: &str| number(text, -LARGEST_SCALE_UM_PER_M..=LARGEST_SCALE_UM_PER_M, "µm/m"))]
@@ -63,8 +51,6 @@ pub(super) struct Options {
     output: Output,
 }
 
-/// No laser on a machine is worse, µm.
-const LARGEST_NOISE_UM: f64 = 100.0;
 /// More than forty kelvin, µm/m.
 const LARGEST_SCALE_UM_PER_M: f64 = 500.0;
 
@@ -72,24 +58,15 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.output.ensure_new(files, "the readings")?;
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
     let inputs = inputs::read_job(files, machine, &job, UseOf::Tables)?;
-    let noise = Noise { um: options.noise_um, seed: options.seed };
-    let wishes = Wishes {
-        straight: options.straight,
-        both_directions: options.both_directions,
-        runs: options.runs,
-        noise,
-    };
-    let rehearsal = match options.errors {
-        true => None,
-        false => Some(Rehearsal::of(&inputs, wishes)?),
-    };
+    let (wishes, noise) = (options.wishes, options.wishes.noise);
+    let rehearsal = if options.errors { None } else { Some(Rehearsal::of(&inputs, wishes)?) };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
     origin.notes.extend(rehearsal.iter().flat_map(|rehearsal| rehearsal.notes.iter().cloned()));
     let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m)?;
     let rehearsal = rehearsal.as_ref();
     let comments = origin.comments(&inputs, noise);
-    let runs = rehearsal.map_or(options.runs.unwrap_or(1), |of| of.runs);
+    let runs = rehearsal.map_or(wishes.runs.unwrap_or(1), |of| of.runs);
     let (text, what, positions, simulation) = match rehearsal {
         None => {
             let draft = single_axes(&machine, runs, noise, comments);
@@ -108,47 +85,26 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         }
     };
     let simulation = simulation.as_ref();
-    let document = || Document {
-        schema: 1,
-        simulated: true,
-        kind: rehearsal.map_or("single-axis", kind_word),
-        steps: rehearsal.map(|of| of.measurement.volume.steps),
-        runs,
-        both_directions: rehearsal.map(|of| of.both_directions),
-        overrun: rehearsal.map(|of| of.both_directions.then_some(of.overrun)),
-        noise,
-        origin: &origin,
-        positions,
-        simulation,
-        notes: &origin.notes,
+    let document = || {
+        let document = json!({
+            "schema": 1,
+            "simulated": true,
+            "kind": rehearsal.map_or("single-axis", kind_word),
+            "steps": rehearsal.map(|of| of.measurement.volume.steps),
+            "runs": runs,
+            "both_directions": rehearsal.map(|of| of.both_directions),
+            "overrun": rehearsal.and_then(|of| of.both_directions.then_some(of.overrun)),
+        });
+        let document = without(document, |key, _| {
+            rehearsal.is_none() && matches!(key, "steps" | "both_directions" | "overrun")
+        });
+        let held =
+            positions.map_or(json!(simulation), |positions| json!({ "positions": positions }));
+        flat([document, json!(noise), json!(origin), held, json!({ "notes": origin.notes })])
     };
     let figures = simulation.map_or_else(String::new, figures);
     let screen = || screen(&inputs, &origin, &what, figures);
     options.output.deliver(files, Some(held(text)), screen, document, &format!(" ({SIMULATED})"))
-}
-
-/// What scripts read: of diagonals, or of an error table.
-#[derive(Serialize)]
-struct Document<'a> {
-    schema: u32,
-    simulated: bool,
-    kind: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    steps: Option<usize>,
-    runs: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    both_directions: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    overrun: Option<Option<bool>>,
-    #[serde(flatten)]
-    noise: Noise,
-    #[serde(flatten)]
-    origin: &'a SimulationSource,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    positions: Option<usize>,
-    #[serde(flatten)]
-    simulation: Option<&'a Simulation>,
-    notes: &'a [Finding],
 }
 
 /// The tables that are active, and where they come from.
@@ -191,11 +147,10 @@ fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: Strin
     let doubts = taken_for_granted(inputs);
     let others = origin.notes.iter().filter(|note| !doubts.contains(note));
     Screen {
-        verdict: format!("{SIMULATED}: {machine} - {control}, {}\n{what}", origin.tables),
         figures,
         findings: show::notes(doubts.iter().chain(others)),
         always: vec![not_in_it.to_string()],
-        ..Screen::default()
+        ..Screen::of(format!("{SIMULATED}: {machine} - {control}, {}\n{what}", origin.tables))
     }
 }
 

@@ -70,7 +70,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             let stated = Stated { unit: options.unit, values: options.values };
             (Runs::read(&file.source()?, stated)?, Vec::new())
         }
-        FileKind::Rtl => measured_runs(file.measurement(), options.encoding, &options.stated())?,
+        FileKind::Rtl => measured_runs(file.measurement(), &options.stated())?,
     };
     let page = AxisPage::of(&file.name, &runs, options.travel_mm, facts)?;
     options.shows.outcome(files, || page.screen(), || &page, |locale| page.picture(locale))
@@ -81,8 +81,7 @@ pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems>
     let kind = file.kind();
     if kind != FileKind::Table {
         let (name, is) = (&file.name, kind.words());
-        let words = format!("`{name}` is {is}, expected runs of one axis (CSV)");
-        return Err(Problem::new(words)
+        return Err(Problem::new(format!("`{name}` is {is}, expected runs of one axis (CSV)"))
             .help("a table of targets and runs as in docs/interface.md §2.4")
             .into());
     }
@@ -95,6 +94,7 @@ pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems>
 impl Options {
     fn stated(&self) -> stated::Stated {
         stated::Stated {
+            encoding: self.encoding,
             sign: self.sign,
             targets_run: self.targets_run,
             runs: self.runs,

@@ -3,15 +3,15 @@
 
 use crate::cli::outcome::{Outcome, Shows};
 use crate::cli::screen::{Screen, list, table};
-use crate::cli::show::{self, PlaneFigures, planes, um};
+use crate::cli::show::{self, planes, um};
 use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
 use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
-use crate::judge::causes::{Cause, Diagnosis};
+use crate::judge::causes::Cause;
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::OfTerm;
 use crate::judge::forecast::{Change, DiagonalForecast, Forecast, Grounds};
-use crate::kit::manifest::HashedFile;
+use crate::kit::manifest::without;
 use crate::kit::visit_plan::{Judged, WhatDecides};
 use crate::kit::{Inputs, SecondLook, Verification, remarks, second_look};
 use crate::machine::model::ErrorModel;
@@ -21,7 +21,7 @@ use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, read_directory};
 use crate::visit::second::{self, Second};
 use clap::Args;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 // Options of `verify`.
@@ -55,46 +55,6 @@ pub(super) struct Page<'a> {
     pub(super) decides: Option<WhatDecides>,
 }
 
-/// What scripts read.
-#[derive(Serialize)]
-pub(super) struct Document<'a> {
-    schema: u32,
-    verdict: &'static str,
-    scope: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    after: Option<&'a [HashedFile]>,
-    terms: Named<String, Figures<'a>>,
-    max_residual_um: Option<f64>,
-    max_residual_expanded_um: Option<f64>,
-    max_residual_at_most_um: Option<f64>,
-    diagonals: Option<Named<String, Figures<'a>>>,
-    squareness: Named<&'static str, PlaneFigures>,
-    causes: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    diagnosis: Option<Option<&'a Diagnosis>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    what_decides: Option<&'a WhatDecides>,
-    assumptions: &'a [Assumption],
-    notes: Vec<Finding>,
-}
-
-/// A figure as measured and as forecast, or by both measurements.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Figures<'a> {
-    Forecast {
-        before_um: f64,
-        forecast_um: f64,
-        u_um: Option<f64>,
-        expanded_um: Option<f64>,
-        at_most_um: Option<f64>,
-        /// Of terms alone.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        max_residual_um: Option<f64>,
-    },
-    Compared(&'a ComparedLine),
-}
-
 fn read_from(directory: &str) -> String {
     format!("tables read from {}", printed(Path::new(directory)))
 }
@@ -108,8 +68,7 @@ impl<'a> Page<'a> {
         directory: &Path,
         after: Option<&Path>,
     ) -> Result<Page<'a>, Problems> {
-        let second = after.map(|path| Second::read(files, inputs, path, directory));
-        let second = second.transpose()?;
+        let second = after.map(|path| Second::read(files, inputs, path, directory)).transpose()?;
         let verification = read_directory(files, inputs, directory)?.verify(inputs)?;
         let second = second.map(|second| {
             second.ensure_active(inputs, &verification.loaded)?;
@@ -144,8 +103,7 @@ impl Page<'_> {
 
     /// What the figures are of: the machine as left, else the forecast.
     fn judged(&self) -> Option<&Forecast> {
-        let as_left = self.look().map(|look| &look.comparison.as_left);
-        as_left.or(self.verification.forecast.as_ref())
+        self.look().map(|look| &look.comparison.as_left).or(self.verification.forecast.as_ref())
     }
 
     pub(super) fn doubts(&self) -> &[Finding] {
@@ -239,7 +197,7 @@ impl Page<'_> {
         grounds
     }
 
-    fn squareness(&self) -> Named<&'static str, PlaneFigures> {
+    fn squareness(&self) -> Named<&'static str, Value> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());
         let left = self.as_left().map(|model| (model, errors));
@@ -291,8 +249,7 @@ impl Page<'_> {
     fn simulated(&self) -> [bool; 2] {
         let first = self.inputs.as_measured().remarks.simulated().next();
         let second = self.second.as_ref();
-        let second = second.is_some_and(|(second, _)| second.measurement.is_simulated());
-        [first.is_some(), second]
+        [first.is_some(), second.is_some_and(|(second, _)| second.measurement.is_simulated())]
     }
 
     /// Said where both measurements were simulated.
@@ -320,55 +277,59 @@ impl Page<'_> {
         Some(date.map_or_else(String::new, |(_, date)| format!(" of {date}")))
     }
 
-    pub(super) fn document(&self) -> Document<'_> {
-        let compiled = &self.verification.loaded.asked.compiled;
-        let forecast = self.verification.forecast.as_ref();
-        let grounds = self.grounds();
-        let stated = self.verification.disagreements();
-        let causes = stated.iter().map(ToString::to_string);
-        let causes = causes.chain(grounds.misses.iter().map(ToString::to_string));
-        let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
-        let scope = self.rehearsal().into_iter();
-        let scope = scope.chain(show::scope(&self.inputs.job, &grounds));
-        let terms = forecast.iter().flat_map(|of| &of.terms);
-        let terms = terms.map(|of| (of.term.to_string(), Figures::forecast(&of.change, true)));
-        let diagonal =
-            |of: &DiagonalForecast| (of.diagonal.to_string(), Figures::forecast(&of.change, false));
-        let page = Document {
-            schema: 1,
-            verdict: self.verdict().word(),
-            scope: scope.chain(self.always()).collect(),
-            after: None,
-            terms: terms.collect(),
-            max_residual_um: forecast.map(Forecast::max_residual_um),
-            max_residual_expanded_um: self.judged().and_then(Forecast::max_expanded_um),
-            max_residual_at_most_um: self.judged().and_then(Forecast::all_at_most_um),
-            diagonals: forecast.map(|of| of.diagonals.iter().map(diagonal).collect()),
-            squareness: self.squareness(),
-            causes: causes.collect(),
-            diagnosis: None,
-            what_decides: self.decides.as_ref(),
-            assumptions: &compiled.assumptions,
-            notes: [self.verification.notes(), compiled.notes.clone()].concat(),
+    /// What scripts read.
+    pub(super) fn document(&self) -> Value {
+        let (verification, compiled) =
+            (&self.verification, &self.verification.loaded.asked.compiled);
+        let (forecast, grounds) = (verification.forecast.as_ref(), self.grounds());
+        let scope = self.rehearsal().into_iter().chain(show::scope(&self.inputs.job, &grounds));
+        let said = |found: &Finding| found.to_string();
+        let causes = verification.disagreements();
+        let causes = causes.iter().map(said).chain(grounds.misses.iter().map(ToString::to_string));
+        let causes = causes.chain(self.doubts().iter().map(said));
+        let notes = [verification.notes(), compiled.notes.clone()].concat();
+        let (after, terms, diagonals, max_um, notes) = match &self.second {
+            None => {
+                let terms = forecast.iter().flat_map(|of| &of.terms);
+                let terms = terms.map(|of| (of.term.to_string(), figures(&of.change, true)));
+                let diagonal =
+                    |of: &DiagonalForecast| (of.diagonal.to_string(), figures(&of.change, false));
+                let diagonals = forecast.map(|of| of.diagonals.iter().map(diagonal).collect());
+                let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
+                let max_um = forecast.map(Forecast::max_residual_um);
+                (None, terms.collect(), diagonals, max_um, [notes, worsened].concat())
+            }
+            Some((second, SecondLook { comparison, .. })) => {
+                let own = of_severity(&comparison.findings, Severity::Note);
+                let max_um = comparison.terms.iter().filter_map(|line| line.after_um);
+                let (terms, diagonals) =
+                    (compared(&comparison.terms), compared(&comparison.diagonals));
+                let notes = [&own[..], &second.notes, &notes].concat();
+                (Some(&second.hashes), terms, Some(diagonals), max_um.reduce(f64::max), notes)
+            }
         };
-        let Some((second, look)) = &self.second else {
-            let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
-            let notes = [page.notes, worsened].concat();
-            return Document { notes, ..page };
-        };
-        let comparison = &look.comparison;
-        let own = of_severity(&comparison.findings, Severity::Note);
-        let after = comparison.terms.iter().filter_map(|line| line.after_um);
-        Document {
-            after: Some(&second.hashes),
-            terms: Figures::compared(&comparison.terms),
-            max_residual_um: after.reduce(f64::max),
-            diagonals: Some(Figures::compared(&comparison.diagonals)),
-            causes: [page.causes, explanation(look)].concat(),
-            diagnosis: Some(look.diagnosis.as_ref()),
-            notes: [&own[..], &second.notes, &page.notes].concat(),
-            ..page
-        }
+        let look = self.look();
+        let document = json!({
+            "schema": 1,
+            "verdict": self.verdict(),
+            "scope": scope.chain(self.always()).collect::<Vec<_>>(),
+            "after": after,
+            "terms": terms,
+            "max_residual_um": max_um,
+            "max_residual_expanded_um": self.judged().and_then(Forecast::max_expanded_um),
+            "max_residual_at_most_um": self.judged().and_then(Forecast::all_at_most_um),
+            "diagonals": diagonals,
+            "squareness": self.squareness(),
+            "causes": causes.chain(look.into_iter().flat_map(explanation)).collect::<Vec<_>>(),
+            "diagnosis": look.map(|look| &look.diagnosis),
+            "what_decides": self.decides,
+            "assumptions": compiled.assumptions,
+            "notes": notes,
+        });
+        without(document, |key, _| match key {
+            "after" | "diagnosis" => look.is_none(),
+            key => key == "what_decides" && self.decides.is_none(),
+        })
     }
 }
 
@@ -412,38 +373,32 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     let mut lines = vec![format!("NOT AS FORECAST: {off}")];
     lines.extend(likely.lines().map(str::to_string));
     let is_off = |term: &&Finding| !matches!(term.kind(), Some(OfTerm::AsForecast { .. }));
-    let off = found.by_term.iter().filter(is_off);
-    let off = off.filter(|_| look.lost_motion.is_none());
+    let off = found.by_term.iter().filter(is_off).filter(|_| look.lost_motion.is_none());
     lines.extend(off.map(|words| format!("  {words}")));
     lines.extend(found.decides.iter().map(|words| format!("to decide: {words}")));
     lines
 }
 
-impl Figures<'_> {
-    /// As measured and as forecast.
-    fn forecast(of: &Change, is_term: bool) -> Figures<'static> {
-        Figures::Forecast {
-            before_um: of.before_um,
-            forecast_um: of.after_um,
-            u_um: of.u_um,
-            expanded_um: of.expanded_um,
-            at_most_um: of.at_most_um,
-            max_residual_um: is_term.then_some(of.after_um),
-        }
+/// A figure as measured and as forecast.
+fn figures(of: &Change, is_term: bool) -> Value {
+    let mut figures = json!({ "before_um": of.before_um, "forecast_um": of.after_um,
+        "u_um": of.u_um, "expanded_um": of.expanded_um, "at_most_um": of.at_most_um });
+    if is_term {
+        figures["max_residual_um"] = json!(of.after_um);
     }
+    figures
+}
 
-    fn compared(lines: &[ComparedLine]) -> Named<String, Figures<'_>> {
-        lines.iter().map(|line| (line.name.clone(), Figures::Compared(line))).collect()
-    }
+/// The same of both measurements.
+fn compared(lines: &[ComparedLine]) -> Named<String, Value> {
+    lines.iter().map(|line| (line.name.clone(), json!(line))).collect()
 }
 
 fn lines(comparison: &Comparison) -> String {
     let measured = |um| show::figure(um, "not measured");
     let row = |what: &str, line: &ComparedLine| {
-        let at_most = match line.after_um {
-            None => "-".to_string(),
-            Some(_) => show::stated(line.at_most_um),
-        };
+        let at_most =
+            line.after_um.map_or_else(|| "-".to_string(), |_| show::stated(line.at_most_um));
         let (before, after) = (measured(line.before_um), measured(line.after_um));
         let (forecast, off) = (um(line.forecast_um), um(line.difference_um));
         format!("{what}{}\t{before}\t{forecast}\t{after}\t{at_most}\t{off}", line.name)

@@ -26,10 +26,10 @@ mod spreadsheet;
 pub mod stated;
 
 pub use self::captures::{List, fill};
-pub use self::encoding::{Measurement, encoding_word};
+pub use self::encoding::Measurement;
 pub use self::intake::Squareness;
 pub use self::rtl::measured_runs;
-pub use self::stated::Format;
+pub use self::stated::{Format, encoding_word};
 pub use crate::inputs::error_table::{Component, Kind};
 
 use self::encoding::{SHA256, SOURCE, text_of};
@@ -59,14 +59,9 @@ pub struct Imported {
 }
 
 /// Reads a measurement.
-pub fn import(
-    file: Measurement<'_>,
-    from: Option<Format>,
-    encoding: Option<&'static encoding_rs::Encoding>,
-    stated: &Stated,
-) -> Result<Imported, Problems> {
-    let (source, name) = text_of(file, encoding, stated)?;
-    let (format, whole) = recognised(&source, from, stated)?;
+pub fn import(file: Measurement<'_>, stated: &Stated) -> Result<Imported, Problems> {
+    let (source, name) = text_of(file, stated)?;
+    let (format, whole) = recognised(&source, stated)?;
     let intake = Intake::of(&source, &whole, format);
     intake.say([ImportFinding::Encoding { name }]);
     let contents = read(&intake);

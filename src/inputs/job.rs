@@ -29,7 +29,7 @@ use crate::inputs::kind::{has_column, head};
 use crate::inputs::refusals;
 pub(crate) use crate::inputs::refusals::{without_grid, without_unit};
 use crate::quantity::{Axis, Chain};
-use crate::text::{Key, Problem, Problems, Section, Source, read_page, read_page_over, states};
+use crate::text::{Key, Pages, Problem, Problems, Section, Source, read_page, states};
 use toml::de::{DeTable, DeValue};
 
 /// A checked job.
@@ -61,7 +61,7 @@ impl Job {
 
     /// Reads and checks a job for what is asked of it: keys that it does not need may be empty.
     pub fn read_for(source: Source, use_of: UseOf) -> Result<Job, Problems> {
-        Job::read_with(source, use_of, |_| ())
+        Job::read_with((source, &[], |_, _| ()), use_of, |_| ())
     }
 
     /// The same. One that is refused is refused for everything at once: also for a control that `find` does not
@@ -75,7 +75,7 @@ impl Job {
         find: impl Fn(&str) -> Result<Profile, Problems>,
         look_at: impl Fn(&str, bool) -> Result<(), Problems>,
     ) -> Result<Job, Problems> {
-        Job::read_with(source, use_of, |root| {
+        Job::read_with((source, &[], |_, _| ()), use_of, |root| {
             if let Some(compensation) = root.section("compensation") {
                 ask_for_all(&compensation, find);
             }
@@ -89,28 +89,24 @@ impl Job {
     }
 
     fn read_with(
-        source: Source,
+        pages: Pages<'_>,
         use_of: UseOf,
         besides: impl FnOnce(&Section<'_>),
     ) -> Result<Job, Problems> {
-        refuse_table(&source)?;
+        refuse_table(&pages.0)?;
         let needs = |key: &str| use_of.needs(key);
-        let read = |root: &Section<'_>| job(root, use_of);
-        let (job, source) = read_page((source, &[], |_, _| ()), needs, read, besides)?;
+        let (job, source) = read_page(pages, needs, |root| job(root, use_of), besides)?;
         Ok(Job { source, ..job })
     }
 
     /// Reads a job that is judged against a first one. Without [machine] it states what differs: every
     /// other key is that of the first job.
     pub(crate) fn read_second(source: Source, first: &Job) -> Result<Job, Problems> {
-        refuse_table(&source)?;
         let below: &[(&str, &str)] = match states(&source, "machine") {
             true => &[],
             false => &[(&first.source.name, &first.source.text)],
         };
-        let read = |root: &Section<'_>| job(root, UseOf::Tables);
-        let (job, source) = read_page_over(source, below, lay_over, read)?;
-        Ok(Job { source, ..job })
+        Job::read_with((source, below, lay_over), UseOf::Tables, |_| ())
     }
 
     /// A problem at a key of the job, by its dotted path.
@@ -201,10 +197,9 @@ pub fn keys() -> impl Iterator<Item = (&'static str, Key)> {
         ("program", ProgramRequest::KEYS),
         ("program", program::TargetKeys::KEYS),
     ];
-    let of = |(path, keys): (&'static str, &'static [Option<Key>])| {
+    sections.into_iter().flat_map(|(path, keys): (&'static str, &'static [Option<Key>])| {
         keys.iter().flatten().map(move |key| (path, *key))
-    };
-    sections.into_iter().flat_map(of)
+    })
 }
 
 /// The keys of a job, in the order in which it is read: an unknown one is told once.
@@ -214,8 +209,7 @@ const ROOT: [&str; 8] =
 fn ask_for_all(section: &Section<'_>, find: impl Fn(&str) -> Result<Profile, Problems>) {
     let profile = section.text("controller").and_then(|word| {
         let refuse = |own: &Problem| {
-            let help = own.help.clone().unwrap_or_default();
-            section.problem("controller", &own.message, help);
+            section.problem("controller", &own.message, own.help.clone().unwrap_or_default());
         };
         find(&word).map_err(|problems| problems.iter().for_each(refuse)).ok()
     });
@@ -269,8 +263,7 @@ fn lay_over<'a>(own: &mut DeTable<'a>, mut below: DeTable<'a>) {
             false if measured.contains_key("readings") => &["errors"],
             false => &[],
         };
-        let all = others.iter().chain(&OF_THE_DAY);
-        all.for_each(|key| _ = first.remove(*key));
+        others.iter().chain(&OF_THE_DAY).for_each(|key| _ = first.remove(*key));
         if let Some(DeValue::Table(run)) = first.get_mut("step_diagonal").map(|run| run.get_mut()) {
             OF_THE_RUN.iter().for_each(|key| _ = run.remove(*key));
         }

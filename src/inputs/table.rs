@@ -244,8 +244,7 @@ pub(crate) struct Row<'t, 'a> {
 impl Row<'_, '_> {
     /// A cell under the name of its column.
     pub(super) fn cell<'r>(&'r self, column: &'r Column) -> Cell<'r> {
-        let text = &self.cells[column.index];
-        Cell { notes: self.table.notes, line: &self.line, column, text }
+        Cell { notes: self.table.notes, line: &self.line, column, text: &self.cells[column.index] }
     }
 
     /// What the cell of a column means; `absent` where the table has no such column.

@@ -92,9 +92,6 @@ words! {
 }
 
 impl Spacing {
-    /// All of them.
-    pub const ALL: [Spacing; 3] = [Spacing::AsAsked, Spacing::Half, Spacing::Twice];
-
     /// What a job asks for in its place; of a residual half or twice as much.
     fn of(self, asked: GridRequest) -> GridRequest {
         let times = match self {
@@ -139,7 +136,8 @@ pub fn compare(inputs: &Inputs) -> Vec<Compared> {
     let one = one.into_iter().filter(|policies| !all.contains(policies));
     let one: Vec<(Policies, Spacing)> = one.map(|own| (own, Spacing::AsAsked)).collect();
     let policies = std::iter::once(own).chain(all);
-    let pairs = policies.flat_map(|policies| Spacing::ALL.map(|spacing| (policies, spacing)));
+    let pairs = policies
+        .flat_map(|policies| Spacing::WORDS.iter().map(move |(_, spacing)| (policies, *spacing)));
     let compared = |(backlash, spacing): (Policies, Spacing)| {
         let made = Alternative::of(inputs, |asked| {
             asked.backlash = backlash;
@@ -162,15 +160,6 @@ fn for_all(own: &Policies) -> Vec<Policies> {
     all.filter(|other| other != own).collect()
 }
 
-/// The policies that a job could state instead: of one for all axes every other one; of one for each axis
-/// every other one for one of them.
-pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
-    match own.x.is_some() && one_for_all(own) {
-        true => for_all(own),
-        false => for_one(own),
-    }
-}
-
 /// Every other policy for one axis, the other axes as stated.
 fn for_one(own: &Policies) -> Vec<Policies> {
     let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
@@ -181,8 +170,7 @@ fn for_one(own: &Policies) -> Vec<Policies> {
             others
         })
     };
-    let others = stated.flat_map(with);
-    others.filter(|other| other != own).collect()
+    stated.flat_map(with).filter(|other| other != own).collect()
 }
 
 // What to change where a kit does not keep its limit: what other backlash policies would leave; and on a second
@@ -216,8 +204,7 @@ impl Left {
     fn of(forecast: &Forecast, asked: Acceptance) -> Left {
         let terms_um = asked.max_deviation_um.map(|_| forecast.max_residual_um());
         let diagonals = forecast.diagonals.iter().filter(|_| asked.max_diagonal_um.is_some());
-        let diagonals_um = diagonals.map(|d| d.change.after_um).reduce(larger);
-        Left { terms_um, diagonals_um }
+        Left { terms_um, diagonals_um: diagonals.map(|d| d.change.after_um).reduce(larger) }
     }
 
     /// By how much the worst of them exceeds its limit, µm; below 0 where all keep theirs.
@@ -227,16 +214,14 @@ impl Left {
             over(self.terms_um, asked.max_deviation_um),
             over(self.diagonals_um, asked.max_diagonal_um),
         ];
-        let worst = all.into_iter().flatten().reduce(f64::max);
-        worst.unwrap_or(f64::INFINITY)
+        all.into_iter().flatten().reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 
     fn words(self) -> String {
         let terms = self.terms_um.map(|um| format!("{um:.3} µm"));
         let diagonals = self.diagonals_um;
         let diagonals = diagonals.map(|um| format!("{um:.3} µm on the diagonals"));
-        let both: Vec<String> = terms.into_iter().chain(diagonals).collect();
-        both.join(" and ")
+        terms.into_iter().chain(diagonals).collect::<Vec<_>>().join(" and ")
     }
 }
 
@@ -248,16 +233,14 @@ pub(super) fn ways(made: &Made<'_>) -> Vec<Finding> {
     let mut ways: Vec<Way> = as_found(made).into_iter().collect();
     if made.verdict != Verdict::Pass {
         ways.extend(policies(made));
-        ways.extend(of_terms(made));
+        ways.extend(of_terms(made).into_iter().flatten());
     }
     ways.into_iter().map(Finding::from).collect()
 }
 
 /// What keeps single terms from their limit: points too far apart, no table.
-fn of_terms(made: &Made<'_>) -> Vec<Way> {
-    let Some(limit_um) = made.inputs.job.acceptance.max_deviation_um else {
-        return Vec::new();
-    };
+fn of_terms(made: &Made<'_>) -> Option<impl Iterator<Item = Way>> {
+    let limit_um = made.inputs.job.acceptance.max_deviation_um?;
     let grid_um = |term: ErrorTerm| {
         let own = made.compiled.placements.iter().filter(|p| p.term == term);
         own.map(|p| p.grid_residual_um).fold(0.0, larger)
@@ -269,8 +252,7 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
     let none: Vec<ErrorTerm> = none.into_iter().map(|t| t.term).collect();
     let largest_um = grid.iter().map(|term| grid_um(*term)).fold(0.0, larger);
     let grid = (!grid.is_empty()).then_some(Way::Grid { terms: grid, largest_um });
-    let none = (!none.is_empty()).then_some(Way::NoTable { terms: none });
-    grid.into_iter().chain(none).collect()
+    Some(grid.into_iter().chain((!none.is_empty()).then_some(Way::NoTable { terms: none })))
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.
@@ -293,8 +275,10 @@ fn policies(made: &Made<'_>) -> Vec<Way> {
     let is_better = |(other, um): &(Alternative, f64)| {
         other.verdict < made.verdict || made.verdict == Verdict::Fail && *um < own_um - SHOWN_UM
     };
-    let others = other_policies(&made.inputs.job.compensation.backlash).into_iter();
-    let others = others.filter_map(|policies| {
+    // Of one policy for all axes every other one; of one for each axis every other one for one of them.
+    let own = &made.inputs.job.compensation.backlash;
+    let others = if own.x.is_some() && one_for_all(own) { for_all(own) } else { for_one(own) };
+    let others = others.into_iter().filter_map(|policies| {
         let other = Alternative::of(made.inputs, |asked| asked.backlash = policies).ok()?;
         let um = excess_um(&other.forecast);
         Some((other, um))

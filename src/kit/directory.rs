@@ -88,8 +88,7 @@ impl Directory {
 
     /// A file that was left out, and why.
     pub fn ignored(&mut self, name: &str, why: &'static str) {
-        let file = shown(name);
-        self.findings.push(InDirectory::Ignored { file, why }.into());
+        self.findings.push(InDirectory::Ignored { file: shown(name), why }.into());
     }
 
     /// The files in the emulated control of the job, with what the manifest says against them.
@@ -148,8 +147,7 @@ impl Directory {
             let is_note = |found: &Finding| found.severity() == Severity::Note;
             verification.findings.retain(|found| !is_note(found));
         }
-        let notes = self.notes().into_iter().chain(self.other_inputs.clone());
-        verification.findings.extend(notes);
+        verification.findings.extend(self.notes().into_iter().chain(self.other_inputs.clone()));
         self.add_to(&mut verification.loaded);
         Ok(verification)
     }
@@ -199,17 +197,13 @@ impl Directory {
 
     /// The name of a file that was read out of the control as a whole.
     fn whole_file(&self, profile: &Profile) -> Option<&str> {
-        let found = self.files.iter().find(|file| is_whole(profile, &file.bytes));
-        found.map(|file| file.path.as_str())
+        self.files.iter().find(|file| is_whole(profile, &file.bytes)).map(|file| file.path.as_str())
     }
 
     /// Files of another control cannot be read: that reason in place of what a reader of this
     /// control makes of every line.
     fn instead_of(&self, problems: Problems) -> Problems {
-        match &self.other_control {
-            Some(reason) => reason.clone().into(),
-            None => problems,
-        }
+        self.other_control.as_ref().map_or(problems, |reason| reason.clone().into())
     }
 
     /// A file that the manifest does not list is judged if the profile writes one of that name or the

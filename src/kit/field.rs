@@ -30,12 +30,12 @@ use crate::write::compensation::{Compiled, displayed, uses};
 use crate::write::emit::{self, Emitted, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
-use proofs::Proofs;
-pub(super) use proofs::Shown;
+use proofs::{Proofs, Shown};
+use serde_json::Value;
 
 /// Adds the field kit to a kit, and to its notes the mechanisms without a sign proof and a rollback that is not whole;
 /// refused unless every file reads back to what was meant. What each sign proof has to show is for the manifest.
-pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Shown>, Problems> {
+pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Value>, Problems> {
     let Proofs { shown, files, missing } = Proofs::of(made)?;
     let mut rollback = rollback(made)?;
     let note = rollback.note();
@@ -46,7 +46,7 @@ pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Shown>, Problems> {
         made.files.extend(checklist(made, &shown, &rollback)?);
     }
     made.compiled.notes.extend(missing.into_iter().chain(note.map(Finding::from)));
-    Ok(shown)
+    Ok(shown.iter().map(Shown::document).collect())
 }
 
 /// The steps at the machine, as pages.
@@ -91,8 +91,7 @@ pub(super) fn differences(asked: &Asked<'_>, files: &[KitFile]) -> Result<Vec<Fi
         for (mechanism, files) in proved {
             let read = read_apart(&inputs.profile, &files, Role::SignProof)?;
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
-            let names: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
-            let file = names.join("`, `");
+            let file = files.iter().map(|file| file.path.as_str()).collect::<Vec<_>>().join("`, `");
             let sets_data = read.machine_data.iter().any(|file| !file.data.is_empty());
             if sets_data || proof.is_none_or(|p| p.tables != read.tables) {
                 found.push(FieldFault::OtherProof { file: file.clone() }.into());
@@ -129,8 +128,7 @@ fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
 /// What was printed when the kit was made, for the person who has only this page; it stands in the annex.
 fn about(made: &Made<'_>, misses: &[Miss]) -> Vec<String> {
     let misses = misses.iter().map(ToString::to_string);
-    let known = remarks(&made.plan, &made.compiled, Some(&made.forecast));
-    misses.chain(known).collect()
+    misses.chain(remarks(&made.plan, &made.compiled, Some(&made.forecast))).collect()
 }
 
 /// What misses the acceptance, the worst first.
@@ -203,8 +201,7 @@ fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
     let at = |place: Millimetres| response.correction(place).um().abs();
     let there = reference.map_or(0.0, at);
     let nodes = response.tables().iter().flat_map(|table| table.nodes());
-    let largest = nodes.map(|(place, _)| at(place)).fold(there, f64::max);
-    (largest, there)
+    (nodes.map(|(place, _)| at(place)).fold(there, f64::max), there)
 }
 
 /// Where each term goes: what is overwritten.

@@ -64,23 +64,21 @@ impl<'a> Loaded<'a> {
         files: &[KitFile],
         named: Option<&Value>,
     ) -> Result<Loaded<'a>, Problems> {
-        let outside = loaded_state(&asked, named);
-        Loaded::files(asked, files, outside)
+        Loaded::files(asked, files, |asked| loaded_state(asked, named))
     }
 
     /// The files that were made for the job, in the control that it describes.
     pub(super) fn own(asked: Asked<'a>, files: &[KitFile]) -> Result<Loaded<'a>, Problems> {
-        let outside = (asked.compiled.state.clone(), Vec::new());
-        Loaded::files(asked, files, outside)
+        Loaded::files(asked, files, |asked| (asked.compiled.state.clone(), Vec::new()))
     }
 
     /// The files of a kit, with the control outside them.
     fn files(
         asked: Asked<'a>,
         files: &[KitFile],
-        (state, of_state): Outside,
+        outside: impl FnOnce(&Asked<'_>) -> Outside,
     ) -> Result<Loaded<'a>, Problems> {
-        let profile = &asked.inputs.profile;
+        let (profile, (state, of_state)) = (&asked.inputs.profile, outside(&asked));
         let read = read(profile, files)?;
         let (mut findings, found) = differences(&asked, &read);
         findings.extend(of_state);
@@ -118,8 +116,7 @@ impl<'a> Loaded<'a> {
         findings.extend(before.iter().flat_map(contents::surroundings));
         match with(&active.tables, &compiled.state) {
             Ok(found) => {
-                let differs = compare(plan, wanted.as_ref(), found.as_ref());
-                findings.extend(differs.findings);
+                findings.extend(compare(plan, wanted.as_ref(), found.as_ref()).findings);
             }
             Err(reason) => findings.push(not_emulated(reason)),
         }
@@ -147,8 +144,7 @@ impl<'a> Loaded<'a> {
     /// What the tables will leave in the control.
     pub(super) fn forecast(&self, effect: &Field) -> Forecast {
         let Asked { inputs, plan, .. } = &self.asked;
-        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
-        forecast(inputs.machine(), plan, effect, &ranges)
+        forecast(inputs.machine(), plan, effect, &judged_ranges(&inputs.job, inputs.as_measured()))
     }
 
     /// Where the tables come from, in words.
@@ -316,8 +312,7 @@ impl Made<'_> {
         let Asked { plan, mut compiled, .. } = loaded.asked;
         compiled.notes.extend(loaded.findings);
         if inputs.profile.comments.value.are_allowed() {
-            let names = emit::other_letters(&inputs.job, &inputs.profile.name);
-            compiled.notes.extend(names);
+            compiled.notes.extend(emit::other_letters(&inputs.job, &inputs.profile.name));
         }
         let doubts = [doubts(inputs), loaded.unread.into_iter().collect()].concat();
         let verdict = judged(&forecast, inputs, &doubts);

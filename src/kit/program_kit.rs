@@ -8,7 +8,7 @@ use crate::control::claims::{Assumption, Precondition};
 use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Evidence, Profile};
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
-use crate::kit::manifest::{self, HashedFile, SCHEMA};
+use crate::kit::manifest::{HashedFile, SCHEMA};
 use crate::kit::sha256;
 use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis, rounded};
 use crate::read::program::walk::{
@@ -22,6 +22,7 @@ use crate::write::program::{
     programs, readings_to_fill,
 };
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Programs and positions of a run, judged; as a document it is `manifest.json`, and what `--format json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -36,7 +37,7 @@ pub struct ProgramKit {
     /// What went in.
     inputs: Vec<HashedFile>,
     #[serde(rename = "files")]
-    listed: Vec<Listed>,
+    listed: Vec<Value>,
     /// How many readings are taken.
     pub readings: usize,
     duration_s: f64,
@@ -60,25 +61,14 @@ pub struct ProgramKit {
 }
 
 /// A file of the list; positions and readings belong to no single program.
-#[derive(Clone, Debug, Serialize)]
-struct Listed {
-    path: String,
-    role: FileRole,
-    of: Option<String>,
-    readings: Option<usize>,
-    sha256: String,
-}
-
-impl Listed {
-    fn of((file, program): (&ProgramFile, Option<&SetUpProgram>)) -> Listed {
-        Listed {
-            path: file.path.clone(),
-            role: file.role,
-            of: program.map(|program| program.subject.to_string()),
-            readings: program.map(|program| program.readings.len()),
-            sha256: sha256(&file.bytes),
-        }
-    }
+fn listed((file, program): (&ProgramFile, Option<&SetUpProgram>)) -> Value {
+    json!({
+        "path": file.path,
+        "role": file.role,
+        "of": program.map(|program| program.subject.to_string()),
+        "readings": program.map(|program| program.readings.len()),
+        "sha256": sha256(&file.bytes),
+    })
 }
 
 /// Sizes on the mirror, to a micrometre.
@@ -93,13 +83,8 @@ impl ProgramKit {
     /// The same without readings to be filled in: there is a table for them already.
     pub(crate) fn without_form(mut self) -> ProgramKit {
         self.files.retain(|file| file.role != FileRole::Readings);
-        self.listed.retain(|file| file.role != FileRole::Readings);
+        self.listed.truncate(self.files.len()); // they are the last
         self
-    }
-
-    /// The bytes of `manifest.json`.
-    pub(crate) fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes_of_kit(self)?)
     }
 }
 
@@ -122,7 +107,7 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
         unit: run.resolution.unit,
         overrun: request.runs_over(),
         inputs: inputs.to_vec(),
-        listed: files.iter().zip(programs).map(Listed::of).collect(),
+        listed: files.iter().zip(programs).map(listed).collect(),
         readings: run.programs.iter().map(|program| program.readings.len()).sum(),
         duration_s: run.duration_s(&request).round(),
         reach_mm: reach.collect(),
@@ -157,24 +142,17 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
     for words in wrong {
         problems.push(Problem::new(words).help("nothing was written"));
     }
-    let bounds = bounds(task);
+    let (facts, bounds) = (task.facts, bounds(task));
+    let words = OwnWords { letters: &facts.axis_letters.value, seconds: facts.dwell_address() };
+    let walk_file = |file: &ProgramFile, rows: &[Position]| {
+        let steps = read(facts.language, &words, &file.path, &file.bytes)?;
+        walk((&file.path, &String::from_utf8_lossy(&file.bytes)), &steps, rows, &bounds)
+    };
     let mut walked = Vec::new();
     for (file, rows) in programs.into_iter().zip(set_ups) {
-        walked.extend(problems.take(walk_file(task.facts, file, rows, &bounds)));
+        walked.extend(problems.take(walk_file(file, rows)));
     }
     problems.or_ok(walked)
-}
-
-fn walk_file(
-    facts: &ProgramFacts,
-    file: &ProgramFile,
-    rows: &[Position],
-    bounds: &Bounds,
-) -> Result<Walked, Problems> {
-    let words = OwnWords { letters: &facts.axis_letters.value, seconds: facts.dwell_address() };
-    let steps = read(facts.language, &words, &file.path, &file.bytes)?;
-    let text = String::from_utf8_lossy(&file.bytes);
-    walk((&file.path, &text), &steps, rows, bounds)
 }
 
 fn bounds(task: RunTask<'_>) -> Bounds {
@@ -192,8 +170,7 @@ fn bounds(task: RunTask<'_>) -> Bounds {
 fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     let RunTask { facts, request, .. } = task;
     let unit = task.resolution().unit;
-    let assumed = facts.statements_of(unit).filter(|s| s.evidence == Evidence::Assumed);
-    let assumed = assumed.map(|s| {
+    let assumed = facts.statements_of(unit).filter(|s| s.evidence == Evidence::Assumed).map(|s| {
         let consequence = s.consequence.clone().unwrap_or_default();
         Assumption::of_job(format!("program.{}", s.fact), s.value.clone(), consequence)
     });
@@ -274,11 +251,10 @@ fn is_at_node(row: &Position, task: RunTask<'_>) -> bool {
     match (row.of, request.what.path()) {
         (LaserPath::Diagonal(diagonal), Some(kind)) => {
             let place = request.volume.place(diagonal, kind, row.node);
-            let nominal = request.volume.nominal_mm(diagonal, kind, row.node);
             let moved =
                 (kind == PathKind::Step && row.node > 0).then(|| request.volume.moved(row.node));
             moved == row.moved
-                && close(row.nominal_mm, nominal, 1e-6)
+                && close(row.nominal_mm, request.volume.nominal_mm(diagonal, kind, row.node), 1e-6)
                 && place.iter().all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
         }
         (LaserPath::Axis(axis), None) => {

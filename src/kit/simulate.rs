@@ -19,6 +19,7 @@ mod readings;
 pub use self::readings::{Predicted, Simulation, SimulationSource, readings, single_axes, write};
 use crate::control::controller::KitFile;
 pub use crate::inputs::error_table::SIMULATED;
+use crate::inputs::import::stated::number;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
@@ -36,6 +37,7 @@ use crate::read::ReadFinding;
 use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::compile;
 use crate::write::plan::plan;
+use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -116,26 +118,36 @@ pub fn rehearsed<'a>(
     Ok(loaded)
 }
 
+/// No laser on a machine is worse, µm.
+const LARGEST_NOISE_UM: f64 = 100.0;
+
 /// Normal noise of every single reading.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Args, Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Noise {
-    /// Standard deviation, µm; 0 = none.
+    /// Standard deviation of the noise of every reading, µm
+    #[arg(long = "noise-um", value_name = "S", default_value_t = 0.0,
+        value_parser = |text: &str| number(text, 0.0..=LARGEST_NOISE_UM, "µm"))]
     #[serde(rename = "noise_um")]
     pub um: f64,
-    /// Seed of the generator.
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 }
 
 /// What is asked for beside the job.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Wishes {
-    /// Straight runs, whatever the job measures.
+    /// Straight runs (all axes together), also where the job measures in steps
+    #[arg(long)]
     pub straight: bool,
-    /// The return pass too, whatever the job measures.
+    /// The way back too; a section [program] states it by itself
+    #[arg(long)]
     pub both_directions: bool,
-    /// Number of runs; `None` = as `[program]` states, else 1.
+    /// Number of runs [default: as [program] states, else 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
     pub runs: Option<u32>,
     /// Noise of a reading.
+    #[command(flatten)]
     pub noise: Noise,
 }
 
@@ -195,8 +207,7 @@ impl Rehearsal {
     pub fn arrived(&self, diagonal: Diagonal, pass: Pass, node: usize, axis: Axis) -> Direction {
         let DiagonalMeasurement { volume, kind, .. } = &self.measurement;
         let reversed = self.overrun || volume.steps_made(*kind, node, axis) < volume.steps;
-        let pass = if reversed { pass } else { Pass::Forward };
-        diagonal.travelled(axis, pass)
+        diagonal.travelled(axis, if reversed { pass } else { Pass::Forward })
     }
 
     /// Expansion that the separation takes off.

@@ -76,8 +76,7 @@ impl<'a> Verification<'a> {
     fn of(loaded: Loaded<'a>, mut findings: Vec<Finding>) -> Verification<'a> {
         let inputs = loaded.asked.inputs;
         let effect = loaded.control.as_deref().ok().and_then(|control| {
-            let effect = loaded.field(control);
-            effect.map_err(|reason| findings.push(not_emulated(reason))).ok()
+            loaded.field(control).map_err(|reason| findings.push(not_emulated(reason))).ok()
         });
         let forecast = effect.as_ref().map(|effect| loaded.forecast(effect));
         findings.dedup();
@@ -192,7 +191,6 @@ fn diagnosed(
     corrected: &[Corrected],
 ) -> Result<Diagnosis, Problem> {
     let axis = |axis| inputs.job.machine.axes[axis];
-    let counts = compiled.placements.iter().map(|p| p.count_um);
     diagnose(&Question {
         before: &inputs.model,
         under_tables: inputs.under_tables.as_ref(),
@@ -203,7 +201,7 @@ fn diagnosed(
         reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
         alpha_per_k: alpha_per_k(&inputs.job),
         laser_um_per_m: inputs.model.laser_um_per_m.hypot(measured.laser_um_per_m()),
-        count_um: counts.fold(0.0, f64::max),
+        count_um: compiled.placements.iter().map(|p| p.count_um).fold(0.0, f64::max),
         display: inputs.profile.display.as_ref().map(|f| f.value.as_str()),
     })
 }

@@ -18,7 +18,6 @@ use crate::quantity::pitch::{self, DIGIT_MM};
 use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis};
 use crate::text::{Problem, Problems, joined};
 use crate::write::emit::{TOOL, filled};
-use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -99,10 +98,7 @@ impl Begun {
 
     /// What `verify --after` takes.
     pub const fn after(&self) -> &'static str {
-        match self.readings {
-            true => AFTER_JOB,
-            false => AFTER,
-        }
+        if self.readings { AFTER_JOB } else { AFTER }
     }
 }
 
@@ -118,8 +114,7 @@ impl Visit<'_> {
 
     /// Steps of each axis: as asked for, else no longer than 50 mm where 30 are enough.
     fn steps(&self) -> u32 {
-        let longest = Axis::ALL.map(|axis| self.length(axis));
-        let longest = longest.into_iter().fold(0.0, f64::max);
+        let longest = Axis::ALL.map(|axis| self.length(axis)).into_iter().fold(0.0, f64::max);
         let [fewest, most] = STEPS;
         let usual = (fewest..most).find(|n| longest <= LONGEST_STEP_MM * f64::from(*n));
         self.steps.or(usual).unwrap_or(most)
@@ -155,10 +150,10 @@ impl Visit<'_> {
             let help = "add them as `[[job]]` (docs/own-control.md section 3), or build it on a built-in one with `based_on`";
             return Err(Problem::new(words).help(help).into());
         }
-        let axes = Axis::ALL.map(|axis| OfAxis {
-            name: axis.key(),
-            machine: self.lines(JobSection::MachineAxes, Some(axis)),
-            compensation: self.lines(JobSection::CompensationAxes, Some(axis)),
+        let axes = Axis::ALL.map(|axis| {
+            let of = |section| self.lines(section, Some(axis));
+            json!({ "name": axis.key(), "machine": of(JobSection::MachineAxes),
+                "compensation": of(JobSection::CompensationAxes) })
         });
         let [start, size] = if self.readings { self.box_of_run()? } else { Default::default() };
         let context = json!({
@@ -231,8 +226,7 @@ impl Visit<'_> {
         };
         error_table(false, self.both_directions, |axis, way| {
             let is_own = way.is_some() == self.both_directions;
-            let steps = (0..=self.steps()).filter(|_| is_own);
-            steps.map(|step| at(axis, step)).collect()
+            (0..=self.steps()).filter(|_| is_own).map(|step| at(axis, step)).collect()
         })
     }
 
@@ -255,14 +249,6 @@ impl Visit<'_> {
     }
 }
 
-/// The lines of a job that an axis has of its own.
-#[derive(Serialize)]
-struct OfAxis {
-    name: &'static str,
-    machine: Vec<String>,
-    compensation: Vec<String>,
-}
-
 /// An error table without values: rows for the positions of each axis, mm, in each way.
 fn error_table(
     has_angles: bool,
@@ -276,8 +262,7 @@ fn error_table(
         for way in [None, Some(Direction::Plus), Some(Direction::Minus)] {
             let sign = way.map_or("", Direction::symbol);
             let sign = if are_directed { format!(",{sign}") } else { String::new() };
-            let rows = mm(axis, way).into_iter();
-            text.extend(rows.map(|mm| {
+            text.extend(mm(axis, way).into_iter().map(|mm| {
                 let mm = millimetres(mm);
                 format!("{},{mm},,,{cells}{sign}\n", axis.key())
             }));

@@ -86,8 +86,7 @@ impl<'a> Line<'a> {
 
     /// Whether it holds nothing but separators, as spreadsheets write below a table.
     pub(crate) fn is_empty_row(&self) -> bool {
-        let empty = |c: char| c == char::from(self.delimiter) || c == '"' || c.is_whitespace();
-        self.text.chars().all(empty)
+        self.text.chars().all(|c| c == char::from(self.delimiter) || c == '"' || c.is_whitespace())
     }
 
     /// Number of the line in the file, from 1.
@@ -97,8 +96,7 @@ impl<'a> Line<'a> {
 
     /// Its cells, without quotation marks and the spaces around them.
     pub fn cells(&self) -> Vec<Cow<'a, str>> {
-        let spans = spans_of(self.text, self.delimiter);
-        spans.map(|span| unquoted(self.text[span].trim())).collect()
+        spans_of(self.text, self.delimiter).map(|span| unquoted(self.text[span].trim())).collect()
     }
 
     /// Its cells, if they are as many as in the header.
@@ -114,8 +112,7 @@ impl<'a> Line<'a> {
                 "every row has as many cells as the header: a cell that may be empty keeps its separator"
             }
         };
-        let found = counted(cells.len(), "cell");
-        Err(refused::other_length(found, columns, help).at(self.whole()))
+        Err(refused::other_length(counted(cells.len(), "cell"), columns, help).at(self.whole()))
     }
 
     fn place(&self, span: Range<usize>) -> Place {
@@ -187,12 +184,10 @@ pub(crate) fn plain_number(text: &str) -> Option<f64> {
 /// semicolon, tab and comma that it holds.
 pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
     let mut next = 0;
-    let numbered = source.text.split('\n').zip(1..);
-    numbered.map(move |(text, number)| {
+    source.text.split('\n').zip(1..).map(move |(text, number)| {
         let start = next;
         next += text.len() + 1;
-        let separators = [b';', b'\t', b','];
-        let found = separators.into_iter().find(|d| text.contains(char::from(*d)));
+        let found = [b';', b'\t', b','].into_iter().find(|d| text.contains(char::from(*d)));
         let delimiter = found.unwrap_or(b',');
         Line {
             source,

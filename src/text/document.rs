@@ -8,7 +8,7 @@ pub(crate) mod keys;
 mod page;
 mod section;
 
-pub(crate) use self::page::{read_page, read_page_over, states};
+pub(crate) use self::page::{Pages, read_page, states};
 
 pub use self::keys::Key;
 pub(crate) use self::keys::{part, section};
@@ -81,8 +81,7 @@ impl Source {
 
     /// The same as bytes of the text.
     pub(crate) fn span_of(&self, path: &str) -> Option<Range<usize>> {
-        let spot = self.spots.iter().find(|(own, _)| own == path)?;
-        Some(spot.1.clone())
+        Some(self.spots.iter().find(|(own, _)| own == path)?.1.clone())
     }
 
     /// A problem at a key, or at the nearest section above it that exists.
@@ -117,10 +116,7 @@ pub(crate) fn refuse_long_lines(name: &str, text: &str) -> Result<(), Problem> {
 
 /// Refuses a page that is larger than anybody writes.
 pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
-    match bytes <= LARGEST_PAGE {
-        true => Ok(()),
-        false => Err(refused::large_page(name, LARGEST_PAGE >> 10)),
-    }
+    if bytes <= LARGEST_PAGE { Ok(()) } else { Err(refused::large_page(name, LARGEST_PAGE >> 10)) }
 }
 
 /// The text of a template: a page, too.
@@ -165,11 +161,7 @@ pub const LONGEST_MM: f64 = 1e6;
 
 /// SHA-256 in hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 16] = b"0123456789abcdef";
-    let digit = |half: u8| char::from(DIGITS[usize::from(half)]);
-    let digest = Sha256::digest(bytes);
-    let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
-    digits.map(digit).collect()
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]
@@ -190,7 +182,8 @@ mod tests {
         let source = Source::from_bytes("job.toml", page.as_bytes()).expect("it is text");
         let read =
             |root: &Section<'_>| Some((root.whole_pairs("blocks"), root.entries("protocol")));
-        let (found, _) = read_page_over(source, &[], |_, _| (), read).expect("it is a page");
+        let (found, _) =
+            read_page((source, &[], |_, _| ()), |_| true, read, |_| ()).expect("it is a page");
         let protocol = vec![("serial".to_string(), "0x1F".to_string())];
         assert_eq!(found, (Some(vec![[16, 32]]), protocol));
     }
@@ -200,8 +193,8 @@ mod tests {
         let source = Source::from_bytes("after.toml", b"a = 1\n").expect("it is text");
         let read = |root: &Section<'_>| root.whole("b").zip(root.whole("a"));
         let below = [("job.toml", "# first\nb = 2\n")];
-        let (_, source) = read_page_over(source, &below, |own, below| own.extend(below), read)
-            .expect("it is a page");
+        let pages: Pages<'_> = (source, &below, |own, below| own.extend(below));
+        let (_, source) = read_page(pages, |_| true, read, |_| ()).expect("it is a page");
         let place = |key| source.place_of(key).map(|at| (at.file, at.line, at.column));
         assert_eq!(place("a"), Some(("after.toml".to_string(), 1, 5)));
         assert_eq!(place("b"), Some(("job.toml".to_string(), 2, 5)));

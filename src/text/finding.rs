@@ -81,15 +81,13 @@ impl Serialize for Finding {
 
 /// The findings of one gravity.
 pub fn of_severity(findings: &[Finding], severity: Severity) -> Vec<Finding> {
-    let of = findings.iter().filter(|f| f.severity() == severity);
-    of.cloned().collect()
+    findings.iter().filter(|f| f.severity() == severity).cloned().collect()
 }
 
 /// Each item once, where it stands first; the work grows with their number, not with its square.
 pub(crate) fn once<T: Eq + Hash>(mut items: Vec<T>) -> Vec<T> {
     let mut known = HashSet::with_capacity(items.len());
-    let is_new: Vec<bool> = items.iter().map(|item| known.insert(item)).collect();
-    let mut is_new = is_new.into_iter();
+    let mut is_new = items.iter().map(|item| known.insert(item)).collect::<Vec<_>>().into_iter();
     items.retain(|_| is_new.next().unwrap_or_default());
     items
 }
@@ -110,8 +108,7 @@ pub(crate) fn grouped<K: PartialEq, T>(
 
 /// `EXX, EYY`
 pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
-    let words = items.into_iter().map(|item| item.to_string());
-    words.collect::<Vec<String>>().join(", ")
+    items.into_iter().map(|item| item.to_string()).collect::<Vec<String>>().join(", ")
 }
 
 /// `1 row`, `2 rows`

@@ -31,7 +31,8 @@ pub(super) fn run(
     encoding: Option<&'static Encoding>,
 ) -> Result<Imported, Problems> {
     let bytes = file.as_ref();
-    import(Measurement { path: name, name, sha256: &sha256(bytes), bytes }, None, encoding, stated)
+    let stated = Stated { encoding, ..stated.clone() };
+    import(Measurement { path: name, name, sha256: &sha256(bytes), bytes }, &stated)
 }
 
 #[track_caller]

@@ -38,7 +38,7 @@ fn fill_form(
     let lists: Vec<List<'_>> = lists.iter().map(|(of, text)| (*of, file(text))).collect();
     let columns = Some(format!("#1={column}"));
     let stated = Stated { columns, captures: Some(counting), ..Stated::default() };
-    fill(&source("form.csv", form), &lists, None, &stated).map_err(|problems| problems.render())
+    fill(&source("form.csv", form), &lists, &stated).map_err(|problems| problems.render())
 }
 
 /// What comes of lists of all diagonals, the first one being `own`.

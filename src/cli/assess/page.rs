@@ -1,7 +1,7 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
 //! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
-use crate::cli::show::{PlaneFigures, planes};
+use crate::cli::show::planes;
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::{ActiveTables, Frame, Job};
 use crate::judge::after::alone;
@@ -17,6 +17,7 @@ use crate::volume::assessment::{Assessment, Grid, GridChoice, Request, assess};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// What is printed; the document for scripts is the same (contract §5).
 #[derive(Serialize)]
@@ -34,9 +35,9 @@ pub(in crate::cli) struct Page {
     pub(super) basis: Basis,
     /// How many of the 21 are known.
     pub(super) errors_measured: usize,
-    /// As it was measured.
-    #[serde(flatten)]
-    found: Found,
+    /// What the measurement says by itself.
+    terms: Named<ErrorTerm, Value>,
+    squareness: Named<&'static str, Value>,
     /// As it is.
     #[serde(flatten)]
     pub(in crate::cli) before: Assessment,
@@ -55,8 +56,7 @@ impl Page {
         grid: GridChoice,
         request: &Request,
     ) -> Result<Page, Problem> {
-        let bare = inputs.under_tables.as_ref();
-        let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
+        let bare = inputs.under_tables.as_ref().map(|_| volume.with_errors_of(&inputs.model));
         let others = corrected.iter().map(|corrected| &corrected.volume).chain(&bare);
         let nodes = Grid::of(grid, &volume, &others.collect::<Vec<_>>())?;
         let mut basis = Basis::of(inputs, &volume);
@@ -68,12 +68,19 @@ impl Page {
             let figures = assess(&corrected.volume, &nodes, request)?;
             Ok::<_, Problem>(corrected.with(figures))
         });
+        let terms = alone(inputs.as_measured(), &inputs.job).terms.into_iter().map(|found| {
+            let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
+            let figures = json!({ "before_um": before_um, "u_um": u_um,
+                "expanded_um": expanded_um, "at_most_um": at_most_um });
+            (found.term, figures)
+        });
         Ok(Page {
             schema: 1,
             name: inputs.job.machine.name.clone(),
             grid,
             errors_measured: volume.known_errors(),
-            found: Found::of(inputs),
+            terms: terms.collect(),
+            squareness: planes((inputs.as_measured(), Some(&inputs.errors)), None),
             before: assess(&volume, &nodes, request)?,
             missing: volume.missing(),
             volume,
@@ -103,8 +110,7 @@ impl Page {
             assessment: &after.figures,
         });
         let sides: Vec<Side<'_>> = std::iter::once(before).chain(after).collect();
-        let heading = format!("{}: {}", self.name, locale.words("errors_in_volume"));
-        volume(locale, &heading, &sides)
+        volume(locale, &format!("{}: {}", self.name, locale.words("errors_in_volume")), &sides)
     }
 
     /// The machine as it is, and as tables leave it.
@@ -210,10 +216,8 @@ fn said(remarks: &Remarks) -> impl Iterator<Item = Finding> {
     let missing = remarks.not_determined.iter();
     let missing =
         missing.map(|(term, why)| VolumeFinding::NotDetermined { term: *term, why: why.clone() });
-    let reversal = remarks.hidden_reversal_um;
-    let reversal = reversal.map(|um| ModelFinding::HiddenReversal { um }.into());
-    let missing = missing.map(Finding::from);
-    missing.chain(reversal).chain(remarks.notes.iter().cloned())
+    let reversal = remarks.hidden_reversal_um.map(|um| ModelFinding::HiddenReversal { um }.into());
+    missing.map(Finding::from).chain(reversal).chain(remarks.notes.iter().cloned())
 }
 
 /// Values that no machine tool has, which are more often a unit error.
@@ -224,21 +228,18 @@ fn doubts(job: &Job, model: &ErrorModel) -> impl Iterator<Item = Finding> {
     let angles = Rotation::all().filter_map(|rotation| {
         let curve = model.rotations[rotation].as_ref()?.mean();
         let (from, to) = curve.measured_range();
-        let largest = curve.largest_magnitude(from, to);
-        Some((rotation.to_string(), largest, "µrad", UNLIKELY_URAD))
+        Some((rotation.to_string(), curve.largest_magnitude(from, to), "µrad", UNLIKELY_URAD))
     });
     let squareness = job.measurement.squareness.iter().map(|(term, slope)| {
-        let name = Component::Squareness(*term).to_string();
-        (name, slope.abs(), "µm/m", UNLIKELY_URAD)
+        (Component::Squareness(*term).to_string(), slope.abs(), "µm/m", UNLIKELY_URAD)
     });
     let small = model.unlikely_small(job.measurement.uncertainty.noise_um);
-    let small = small.map(|why| VolumeFinding::Doubtful { why });
     deviations
         .chain(angles)
         .chain(squareness)
         .filter(|(_, largest, _, limit)| largest > limit)
         .map(|(name, largest, unit, limit)| VolumeFinding::Unlikely { name, largest, unit, limit })
-        .chain(small)
+        .chain(small.map(|why| VolumeFinding::Doubtful { why }))
         .map(Finding::from)
 }
 
@@ -253,31 +254,4 @@ fn outside(job: &Job) -> Option<VolumeFinding> {
     };
     let places: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
     (!places.is_empty()).then_some(VolumeFinding::OutOfReach { places })
-}
-
-/// What the measurement says by itself.
-#[derive(Serialize)]
-struct Found {
-    terms: Named<ErrorTerm, Largest>,
-    squareness: Named<&'static str, PlaneFigures>,
-}
-
-/// Of a term.
-#[derive(Serialize)]
-struct Largest {
-    before_um: f64,
-    u_um: Option<f64>,
-    expanded_um: Option<f64>,
-    at_most_um: Option<f64>,
-}
-
-impl Found {
-    fn of(inputs: &Inputs) -> Found {
-        let model = inputs.as_measured();
-        let terms = alone(model, &inputs.job).terms.into_iter().map(|found| {
-            let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
-            (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
-        });
-        Found { terms: terms.collect(), squareness: planes((model, Some(&inputs.errors)), None) }
-    }
 }

@@ -18,14 +18,13 @@ pub(super) fn screen(page: &Page) -> Screen {
     let verdict = [headline(page), list("job and tables DISAGREE:", differences), heading(page)];
     let doubts = page.doubts().iter().map(ToString::to_string);
     Screen {
-        verdict: verdict.join("\n").replace("\n\n", "\n"),
         figures: paragraphs(&[
             figures(page),
             worst_pairs(page),
             contributions(page),
-            windows(page),
+            windows(page).unwrap_or_default(),
             histogram(page),
-            grouping(page),
+            grouping(page).unwrap_or_default(),
         ]),
         findings: doubts.chain(show::notes(&page.basis.labels)).collect(),
         more: vec![More::new(
@@ -33,7 +32,7 @@ pub(super) fn screen(page: &Page) -> Screen {
             ["error not measured", "errors not measured"],
             left_out,
         )],
-        ..Screen::default()
+        ..Screen::of(verdict.join("\n").replace("\n\n", "\n"))
     }
 }
 
@@ -72,10 +71,9 @@ fn nodes(page: &Page) -> String {
 
 /// The stated places that levers depend on.
 fn places(basis: &Basis) -> Option<String> {
-    let tool = basis.tool_offset_mm.map(|tool| {
-        let mm = PerAxis::from_fn(|axis| tool.0[axis].mm());
-        format!("tool offset {}", place(mm))
-    });
+    let tool = basis
+        .tool_offset_mm
+        .map(|tool| format!("tool offset {}", place(PerAxis::from_fn(|axis| tool.0[axis].mm()))));
     let some = |what: &str, places: PerAxis<Option<Millimetres>>| {
         let stated = places.iter();
         let stated = stated.filter_map(|(axis, at)| Some(format!("{axis} {}", short((*at)?.mm()))));
@@ -182,8 +180,7 @@ fn rows(d: &Definitions) -> Vec<[String; 3]> {
         row("ELSv", measured(d.elsv_um), elsv),
         row("ELv", measured(d.elv_um), elv),
     ];
-    let (ranges, diagonals) = (Axis::ALL.map(range), Diagonal::ALL.map(diagonal));
-    [&largest[..], &ranges, &others, &diagonals].concat()
+    [&largest[..], &Axis::ALL.map(range), &others, &Diagonal::ALL.map(diagonal)].concat()
 }
 
 fn measured(value: Option<f64>) -> String {
@@ -285,10 +282,8 @@ fn error_name(component: Component) -> String {
     if name == iso { name } else { format!("{name} ({iso})") }
 }
 
-fn windows(page: &Page) -> String {
-    let Some(found) = &page.before.windows else {
-        return String::new();
-    };
+fn windows(page: &Page) -> Option<String> {
+    let found = page.before.windows.as_ref()?;
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.windows.as_ref()?;
         let (best, best_at) = (found.min_um, place(found.min_at_mm.0));
@@ -306,12 +301,11 @@ fn windows(page: &Page) -> String {
         by([size.x, size.y, size.z].map(|mm| short(mm).to_string())),
         by([grid.x, grid.y, grid.z].map(|nodes| nodes.to_string())),
     );
-    headed(&head, page.sides().filter_map(line))
+    Some(headed(&head, page.sides().filter_map(line)))
 }
 
 fn histogram(page: &Page) -> String {
-    let sides = page.sides().filter_map(|(_, of)| of.histogram.as_ref());
-    let sides: Vec<&Histogram> = sides.collect();
+    let sides: Vec<&Histogram> = page.sides().filter_map(|(_, of)| of.histogram.as_ref()).collect();
     let [found, after @ ..] = &sides[..] else {
         return String::new();
     };
@@ -355,14 +349,11 @@ fn how(histogram: &Histogram) -> String {
     )
 }
 
-fn grouping(page: &Page) -> String {
-    let Some(found) = &page.before.grouping else {
-        return String::new();
-    };
+fn grouping(page: &Page) -> Option<String> {
+    let found = page.before.grouping.as_ref()?;
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.grouping.as_ref()?;
-        let pair = found.pair_mm.map(|pair| pair.map(|at| place(at.0)));
-        let longest = match found.um.zip(pair) {
+        let longest = match found.um.zip(found.pair_mm.map(|pair| pair.map(|at| place(at.0)))) {
             Some((um, [p, q])) => format!("{um:.3} µm between {p} and {q}"),
             None => "no two vectors are kept".to_string(),
         };
@@ -375,7 +366,7 @@ fn grouping(page: &Page) -> String {
         "grouping of paper 002 §4.2, tolerances {} (angle) and {} (length), for comparison only: it may miss the largest difference",
         found.angular_tolerance, found.magnitude_tolerance
     );
-    headed(&head, page.sides().filter_map(line))
+    Some(headed(&head, page.sides().filter_map(line)))
 }
 
 fn place(place: PerAxis<f64>) -> String {

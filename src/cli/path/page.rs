@@ -5,6 +5,7 @@ use crate::cli::outcome::Output;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::kit::Inputs;
+use crate::kit::manifest::flat;
 use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
 use crate::text::{Problem, Problems, Severity, counted, of_severity};
@@ -15,6 +16,7 @@ use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Sample, Summa
 use crate::volume::volume_model::VolumeModel;
 use part_program::Ran;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
@@ -42,8 +44,7 @@ impl Page {
         };
         let holes: Vec<_> = self.holes.worst.iter().map(hole).collect();
         let machine = &self.inputs.job.machine.name;
-        let heading = format!("{machine}: error along {}", self.program);
-        path(locale, &heading, &self.traces, &holes)
+        path(locale, &format!("{machine}: error along {}", self.program), &self.traces, &holes)
     }
 }
 
@@ -51,8 +52,7 @@ impl Page {
 pub(super) fn found(profile: Profile<'_>, program: &str) -> Result<Summary, Problem> {
     let summary = profile.summary();
     if summary.samples == 0 {
-        let message = format!("`{program}` holds no move that counts");
-        return Err(Problem::new(message)
+        return Err(Problem::new(format!("`{program}` holds no move that counts"))
             .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
     }
     Ok(summary)
@@ -91,10 +91,7 @@ impl Page {
     pub(super) fn screen(&self) -> Screen {
         let after = self.after.as_ref();
         let disagreements = after.map_or(&[][..], |after| &after.disagreements);
-        let with = after.map(|after| {
-            let name = format!("with {}", after.from);
-            extremes(&after.figures, &name)
-        });
+        let with = after.map(|after| extremes(&after.figures, &format!("with {}", after.from)));
         let figures = [extremes(&self.before, "as it is"), with.unwrap_or_default()];
         let missing: Vec<String> = missing(self);
         let left_out = format!("not measured, so left out: {}", missing.join(", "));
@@ -106,55 +103,35 @@ impl Page {
         let disagreements = list("job and tables DISAGREE:", disagreements);
         let verdict = [headline(self), heading(self), disagreements];
         Screen {
-            verdict: verdict.join("\n").trim_end().to_string(),
             figures: paragraphs(&figures),
             findings,
             more: vec![More::new(self.holes.worst.len(), ["hole", "holes"], holes(self))],
-            ..Screen::default()
+            ..Screen::of(verdict.join("\n").trim_end().to_string())
         }
     }
-}
 
-/// What scripts read.
-#[derive(Serialize)]
-pub(super) struct Document<'a> {
-    schema: u32,
-    machine: &'a str,
-    program: &'a str,
-    blocks: u64,
-    holes: u64,
-    worst_holes: &'a [Hole],
-    outside: Vec<String>,
-    missing: Vec<String>,
-    warnings: Vec<String>,
-    notes: Vec<String>,
-    after: Option<&'a Corrected<Summary>>,
-    #[serde(flatten)]
-    before: &'a Summary,
-}
-
-impl Page {
-    pub(super) fn document(&self) -> Document<'_> {
-        Document {
-            schema: 1,
-            machine: &self.inputs.job.machine.name,
-            program: &self.program,
-            blocks: self.ran.blocks,
-            holes: self.ran.holes,
-            worst_holes: &self.holes.worst,
-            outside: outside_sentences(self),
-            missing: missing(self),
-            warnings: warnings(self),
-            notes: [remarks(self), doubts(self), vec![how(self)]].concat(),
-            after: self.after.as_ref(),
-            before: &self.before,
-        }
+    /// What scripts read.
+    pub(super) fn document(&self) -> Value {
+        let notes = [remarks(self), doubts(self), vec![how(self)]].concat();
+        let document = json!({
+            "schema": 1,
+            "machine": self.inputs.job.machine.name,
+            "program": self.program,
+            "blocks": self.ran.blocks,
+            "holes": self.ran.holes,
+            "worst_holes": self.holes.worst,
+            "outside": outside_sentences(self),
+            "missing": missing(self),
+            "warnings": warnings(self),
+            "notes": notes,
+            "after": self.after,
+        });
+        flat([document, json!(self.before)])
     }
 }
 
 fn missing(page: &Page) -> Vec<String> {
-    let missing = page.volume.missing().into_iter();
-    missing.map(|m| m.component.to_string()).collect()
+    page.volume.missing().into_iter().map(|m| m.component.to_string()).collect()
 }
 
 /// A number of things.
@@ -223,8 +200,7 @@ fn holes(page: &Page) -> String {
     };
     let column = page.after.as_ref().map_or("", |_| "\t>with tables |e|/µm");
     let heading = ">hole\t>line\tbottom at x, y, z/mm\t>ex/µm\t>ey/µm\t>ez/µm\t>|e|/µm";
-    let rows = worst.iter().map(hole);
-    format!("{what}\n{}", table(&format!("{heading}{column}"), rows))
+    format!("{what}\n{}", table(&format!("{heading}{column}"), worst.iter().map(hole)))
 }
 
 fn hole(hole: &Hole) -> String {
@@ -242,11 +218,10 @@ fn outside_sentences(page: &Page) -> Vec<String> {
         let (low, high) = o.measured_mm;
         let below = (o.reached_mm.0 < low).then(|| format!("{:.3} mm", Figure(o.reached_mm.0)));
         let above = (o.reached_mm.1 > high).then(|| format!("{:.3} mm", Figure(o.reached_mm.1)));
-        let reached: Vec<String> = below.into_iter().chain(above).collect();
         format!(
             "not measured: the path reaches {} = {}, first in line {}, measured is {low} … {high} mm; beyond it each curve, squareness included, is held at its end",
             Axis::ALL[o.axis],
-            reached.join(" and "),
+            below.into_iter().chain(above).collect::<Vec<_>>().join(" and "),
             o.line,
         )
     };
@@ -274,15 +249,13 @@ fn remarks(page: &Page) -> Vec<String> {
     }
     let labels = page.volume.labels.iter().filter(|label| label.severity() != Severity::Doubt);
     notes.extend(labels.map(ToString::to_string));
-    let notes_after = page.after.iter().flat_map(|after| &after.notes);
-    notes.extend(notes_after.map(ToString::to_string));
+    notes.extend(page.after.iter().flat_map(|after| &after.notes).map(ToString::to_string));
     notes
 }
 
 /// Why the figures may be wrong.
 fn doubts(page: &Page) -> Vec<String> {
-    let doubts = of_severity(&page.volume.labels, Severity::Doubt);
-    doubts.iter().map(ToString::to_string).collect()
+    of_severity(&page.volume.labels, Severity::Doubt).iter().map(ToString::to_string).collect()
 }
 
 /// What holds for every path.
@@ -319,7 +292,7 @@ impl Points {
         output: &Output,
         has_after: bool,
     ) -> Result<Points, Problems> {
-        let (long, ready) = output.begin(files)?;
+        let (long, ready) = files.begin(output.place(), output.force)?;
         let mut writer = BufWriter::with_capacity(1 << 18, long);
         let after = if has_after { AFTER } else { "" };
         let written = writeln!(writer, "{COLUMNS}{after}");
@@ -365,10 +338,7 @@ fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Res
     let (size, tangent) = (length(error), dot(&sample.ahead, &error));
     let [x, y, z] = error.map(Figure);
     write!(out, "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},", Figure(tangent))?;
-    match sample.left {
-        Some(left) => write!(out, "{:.6}", Figure(dot(&left, &error))),
-        None => Ok(()),
-    }
+    sample.left.map_or(Ok(()), |left| write!(out, "{:.6}", Figure(dot(&left, &error))))
 }
 
 /// Holes that are kept; the CSV has all of them.

@@ -23,13 +23,13 @@ pub(super) fn screen((separation, figures, simulated): Found<'_>, advice: &[Stri
     let outliers = &separation.closure.outliers;
     let more = vec![
         More::part("directions", directions(separation)),
-        More::part("linear axes and beams", words::agreement(separation.agreement.as_ref())),
+        More::part("linear axes and beams", separation.agreement.as_ref().map(words::agreement)),
         More::part("set-up", setup(separation)),
         More::part("closure", closure(separation)),
         More::part("reversal", reversal(separation)),
         More::part("diagonals", diagonals(separation, figures)),
         More::part("repeatability", repeatability(separation)),
-        More::part("Monte Carlo", simulated.map_or_else(String::new, monte_carlo)),
+        More::part("Monte Carlo", simulated.map(monte_carlo)),
     ];
     let mut screen = words::screen(
         &separation.doubts,
@@ -99,11 +99,9 @@ fn largest_u(found: &SeparatedError) -> Option<(f64, Option<f64>)> {
 }
 
 /// Both directions, where they stand apart.
-fn directions(separation: &Separation) -> String {
-    let plus = separation.errors.directed(Direction::Plus);
-    let Some((plus, minus)) = plus.zip(separation.errors.directed(Direction::Minus)) else {
-        return String::new();
-    };
+fn directions(separation: &Separation) -> Option<String> {
+    let plus = separation.errors.directed(Direction::Plus)?;
+    let minus = separation.errors.directed(Direction::Minus)?;
     let rows = ErrorTerm::ALL.into_iter().filter_map(|term| {
         let (plus, minus) = (plus[term].as_ref()?, minus[term].as_ref()?);
         let both = [plus, minus].map(|found| &found.deviation_um);
@@ -126,7 +124,7 @@ fn directions(separation: &Separation) -> String {
     };
     let heading = "error\t>far end +/µm\t>far end -/µm\t>max - min +/µm\t>max - min -/µm\t>largest U(95 %) of either/µm";
     let table = table(heading, rows);
-    format!("The same by direction of motion; {zero}\n{table}")
+    Some(format!("The same by direction of motion; {zero}\n{table}"))
 }
 
 fn squareness(separation: &Separation) -> String {
@@ -144,26 +142,22 @@ fn squareness(separation: &Separation) -> String {
         ),
         false => ("", ""),
     };
-    let heading = format!("\t>by least squares/(µm/m){column}");
     format!(
         "{}\nsquareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness{legend}",
-        words::squareness(&separation.metric, &heading, more)
+        words::squareness(&separation.metric, &format!("\t>by least squares/(µm/m){column}"), more)
     )
 }
 
-fn setup(separation: &Separation) -> String {
-    let Some(tilts) = &separation.tilts else {
-        return String::new();
-    };
-    let rows = tilts.iter().map(|(diagonal, tilt)| {
+fn setup(separation: &Separation) -> Option<String> {
+    let rows = separation.tilts.as_ref()?.iter().map(|(diagonal, tilt)| {
         let towards = tilt.direction;
         let [x, y, z] = [towards.x, towards.y, towards.z].map(Figure);
         format!("{diagonal}\t{:.1}\t{x:+.3}\t{y:+.3}\t{z:+.3}", tilt.arcsec)
     });
-    format!(
+    Some(format!(
         "Tilt of the mirror: its normal against the nominal diagonal (solved for and taken out; no error of the machine)\n{}",
         table("set-up\t>tilt/arcsec\t>towards X\t>Y\t>Z", rows)
-    )
+    ))
 }
 
 fn diagonals(separation: &Separation, figures: &Diagonals) -> String {
@@ -184,8 +178,7 @@ fn monte_carlo(simulated: &Simulated) -> String {
         )
     });
     let heading = "figure\t>estimate\t>bias by noise\t>from\t>to\tunit\t>held the truth";
-    let size = |f: &Simulation| f.unit == "µm" && f.interval[0] < 0.0;
-    let hidden = if simulated.figures.iter().any(size) {
+    let hidden = if simulated.figures.iter().any(|f| f.unit == "µm" && f.interval[0] < 0.0) {
         "\na range or straightness whose interval reaches below 0 cannot be told from noise"
     } else {
         ""
@@ -278,10 +271,8 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
     )
 }
 
-fn reversal(separation: &Separation) -> String {
-    let Some(turn) = &separation.turn else {
-        return String::new();
-    };
+fn reversal(separation: &Separation) -> Option<String> {
+    let turn = separation.turn.as_ref()?;
     let k = coverage_factor(separation.noise.and_then(|noise| noise.freedom_f64()));
     let shown = |b: Estimate| {
         let u = figure(b.u_um.map(|u| k * u), "not known");
@@ -289,11 +280,11 @@ fn reversal(separation: &Separation) -> String {
     };
     let cross = ErrorTerm::ALL.into_iter().filter(|term| term.is_cross());
     let cross = cross.map(|term| format!("{term} {}", shown(turn.reversal[term])));
-    paragraphs(&[
+    Some(paragraphs(&[
         reversal_of_axes(turn, shown),
         reversal_by_diagonal(turn, shown),
         format!("Reversal of cross terms, µm: {}", joined(cross)),
-    ])
+    ]))
 }
 
 fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
@@ -314,8 +305,7 @@ fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
 
 fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     let rows = Axis::ALL.into_iter().map(|axis| {
-        let each = turn.by_diagonal.iter();
-        let each = each.map(|(_, b)| format!("\t{}", shown(b[axis])));
+        let each = turn.by_diagonal.iter().map(|(_, b)| format!("\t{}", shown(b[axis])));
         format!("{axis}{}", each.collect::<String>())
     });
     let heading = Diagonal::ALL.map(|d| format!("\t>{d}")).concat();

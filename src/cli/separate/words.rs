@@ -73,15 +73,14 @@ pub(super) fn screen(
     let heading = "Assumed, and what the uncertainty holds:";
     more.push(More::new(labels.len(), ["label", "labels"], list(heading, &labels)));
     Screen {
-        verdict: paragraphs(&[
-            list("INCONSISTENT, so the answer is no:", doubts),
-            determined,
-            open,
-        ]),
         figures,
         always: said.iter().map(|note| format!("note: {note}")).collect(),
         more,
-        ..Screen::default()
+        ..Screen::of(paragraphs(&[
+            list("INCONSISTENT, so the answer is no:", doubts),
+            determined,
+            open,
+        ]))
     }
 }
 
@@ -110,10 +109,7 @@ pub(super) fn advice(metric: &Metric) -> Vec<String> {
 }
 
 /// Linear axes and beams against each other and the diagonals.
-pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
-    let Some(agreement) = agreement else {
-        return String::new();
-    };
+pub(super) fn agreement(agreement: &Agreement) -> String {
     let rows = agreement.lines.iter().map(|line| {
         let others = figure(line.by_others_um_per_m, "nothing");
         let by = line.difference_um_per_m.map_or("-".into(), |by| format!("{:+.3}", Figure(by)));
@@ -143,7 +139,6 @@ pub(super) fn straight_screen(
     open: (&[Finding], &[String]),
 ) -> Screen {
     let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
-    let closure = result.closure.as_ref();
     screen(
         &result.doubts,
         outcome(result),
@@ -151,10 +146,10 @@ pub(super) fn straight_screen(
         paragraphs(&[
             straight_squareness(result),
             scales(result),
-            closure.map_or_else(String::new, closure_table),
+            result.closure.as_ref().map_or_else(String::new, closure_table),
         ]),
         vec![
-            More::part("linear axes and beams", agreement(result.agreement.as_ref())),
+            More::part("linear axes and beams", result.agreement.as_ref().map(agreement)),
             More::part("diagonals", diagonals),
         ],
         &result.labels,

@@ -5,6 +5,7 @@ use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
 use crate::inputs::target_runs::Runs;
+use crate::kit::manifest::flat;
 use crate::machine::findings::StandardFinding;
 use crate::machine::separation::Separation;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -18,6 +19,7 @@ use crate::text::{Finding, Named, Problem, Problems, Source, joined};
 use crate::visit::files::Files;
 use crate::visit::job_files::read_campaign;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// What the standards say about the runs of an axis, as documents have it.
@@ -103,8 +105,7 @@ impl AxisPage<'_> {
     /// Means and bands at the targets.
     pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Picture {
         let name = String::new();
-        let across = locale.words("target");
-        targets(locale, self.name, &across, &[(name, &self.iso_230_2.figures)])
+        targets(locale, self.name, &locale.words("target"), &[(name, &self.iso_230_2.figures)])
     }
 
     pub(super) fn screen(&self) -> Screen {
@@ -126,7 +127,6 @@ impl AxisPage<'_> {
         );
         let list = &iso.conditions.list;
         Screen {
-            verdict: format!("{heading}\n{title}"),
             figures: paragraphs(&[self.axis_table(), vdi_table(vdi.as_ref())]),
             findings: [missed(list), show::notes(&iso.notes)].concat(),
             more: vec![
@@ -134,10 +134,10 @@ impl AxisPage<'_> {
                 conditions("conditions of ISO 230-2", list),
                 More::part(
                     "every target of VDI/DGQ 3441",
-                    vdi.as_ref().map_or_else(String::new, |of| target_rows(&of.targets)),
+                    vdi.as_ref().map(|of| target_rows(&of.targets)),
                 ),
             ],
-            ..Screen::default()
+            ..Screen::of(format!("{heading}\n{title}"))
         }
     }
 
@@ -218,8 +218,7 @@ pub(super) const LIKELY: &str = "likely: from secondary sources, not compared wi
 /// Conditions that the data do not meet.
 pub(super) fn missed(conditions: &[Condition]) -> Vec<String> {
     let missed = conditions.iter().filter(|of| of.met == Met::No);
-    let missed = missed.map(|of| format!("not met: {}, found: {}", of.asked, of.found));
-    missed.collect()
+    missed.map(|of| format!("not met: {}, found: {}", of.asked, of.found)).collect()
 }
 
 pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
@@ -286,8 +285,7 @@ pub(in crate::cli) fn of_separation(
 ) -> Result<DiagonalPage, Problems> {
     let runs = &separation.zeroed_runs;
     let figures = by_standard(&separation.volume, PathKind::Step, runs, true)?;
-    let notes = notes(separation.runs.len() > runs.len());
-    Ok(DiagonalPage::new(readings, ALONG, figures, notes))
+    Ok(DiagonalPage::new(readings, ALONG, figures, notes(separation.runs.len() > runs.len())))
 }
 
 /// Figures of readings alone: those that the box has no part in.
@@ -305,27 +303,14 @@ pub(super) fn of_readings(source: Source) -> Result<DiagonalPage, Problems> {
 
 fn notes(dropped: bool) -> Vec<Finding> {
     let dropped = dropped.then_some(StandardFinding::ReverseNames);
-    let notes = std::iter::once(StandardFinding::UpIsForward).chain(dropped);
-    notes.map(Finding::from).collect()
+    std::iter::once(StandardFinding::UpIsForward).chain(dropped).map(Finding::from).collect()
 }
 
-/// What the standards say about the body diagonals, as documents have it.
-#[derive(Serialize)]
+/// What the standards say about the body diagonals.
 pub(in crate::cli) struct DiagonalPage {
-    schema: u32,
-    iso_230_6: Iso2306,
-    #[serde(skip)]
     name: String,
     /// Key of what stands at the lower edge of the picture.
-    #[serde(skip)]
     across: &'static str,
-}
-
-/// By ISO 230-6.
-#[derive(Serialize)]
-struct Iso2306 {
-    confidence: &'static str,
-    #[serde(flatten)]
     figures: Diagonals,
     notes: Vec<Finding>,
 }
@@ -337,23 +322,29 @@ impl DiagonalPage {
         figures: Diagonals,
         notes: Vec<Finding>,
     ) -> DiagonalPage {
-        let iso_230_6 = Iso2306 { confidence: DIAGONALS, figures, notes };
-        DiagonalPage { schema: 1, iso_230_6, name: name.to_string(), across }
+        DiagonalPage { name: name.to_string(), across, figures, notes }
+    }
+
+    /// What scripts read.
+    pub(in crate::cli) fn document(&self) -> Value {
+        let (confidence, notes) =
+            (json!({ "confidence": DIAGONALS }), json!({ "notes": self.notes }));
+        json!({ "schema": 1, "iso_230_6": flat([confidence, json!(self.figures), notes]) })
     }
 
     pub(super) fn outcome(&self, files: &dyn Files, shows: &Shows) -> Result<Outcome, Problems> {
         let picture = |locale: Locale<'_>| self.picture(locale, &self.name);
-        shows.outcome(files, || self.screen(), || self, picture)
+        shows.outcome(files, || self.screen(), || self.document(), picture)
     }
 
     pub(in crate::cli) fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
-        let named = self.iso_230_6.figures.diagonals.iter();
+        let named = self.figures.diagonals.iter();
         let named: Vec<_> = named.map(|(name, of)| (name.clone(), &of.figures)).collect();
         targets(locale, heading, &locale.words(self.across), &named)
     }
 
     fn screen(&self) -> Screen {
-        let Iso2306 { figures: all, notes, .. } = &self.iso_230_6;
+        let DiagonalPage { figures: all, notes, .. } = self;
         let list = &all.conditions.list;
         let runs = all.diagonals.iter();
         let runs =
@@ -365,18 +356,16 @@ impl DiagonalPage {
             ("", "ASME B5.54: max - min over all diagonals", all.range_over_all_um),
         ];
         let rows = rows.map(|(name, what, figure)| format!("{name}\t{what}\t{}", um(figure)));
-        let heading = format!("conditions of ISO 230-6 ({LIKELY})");
         Screen {
-            verdict: format!(
+            figures: paragraphs(&[all.table(), table("figure\t\t>value/µm", rows)]),
+            findings: [missed(list), show::notes(notes)].concat(),
+            more: vec![conditions(&format!("conditions of ISO 230-6 ({LIKELY})"), list)],
+            ..Screen::of(format!(
                 "{} - body diagonals, runs: {}\nfigures in the style of ISO 230-6:2002 and ASME B5.54\n{}",
                 self.name,
                 runs.collect::<Vec<_>>().join("; "),
                 all.label
-            ),
-            figures: paragraphs(&[all.table(), table("figure\t\t>value/µm", rows)]),
-            findings: [missed(list), show::notes(notes)].concat(),
-            more: vec![conditions(&heading, list)],
-            ..Screen::default()
+            ))
         }
     }
 }
@@ -392,8 +381,7 @@ impl Diagonals {
             let figures = there.iter().map(|name| um(figure(&of.figures.axis, name)) + "\t");
             format!("{diagonal}\t{}{}", figures.collect::<String>(), um(of.range_um))
         });
-        let heading = format!("diagonal, µm{}\t>max - min", headings.collect::<String>());
-        table(&heading, rows)
+        table(&format!("diagonal, µm{}\t>max - min", headings.collect::<String>()), rows)
     }
 
     /// The table of the diagonals as they were read, with their far ends and the figures of all four.
@@ -423,6 +411,5 @@ const FIGURES: [&str; 12] =
     ["E", "E_up", "E_down", "M", "B", "B_mean", "R", "R_up", "R_down", "A", "A_up", "A_down"];
 
 fn figure(of: &AxisFigures, wanted: &str) -> Option<f64> {
-    let named = of.named_um().into_iter().find(|(name, _)| *name == wanted);
-    named.and_then(|(_, um)| um)
+    of.named_um().into_iter().find(|(name, _)| *name == wanted).and_then(|(_, um)| um)
 }

@@ -134,8 +134,7 @@ impl Partial {
                 Err(_) => continue, // another run made it
                 Ok(()) => made.paths.push(path.to_path_buf()),
             }
-            let path = path.to_path_buf();
-            parents.insert(0, Partial { path, _lock: None });
+            parents.insert(0, Partial { path: path.to_path_buf(), _lock: None });
         }
         Ok(parents)
     }

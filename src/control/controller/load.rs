@@ -16,9 +16,7 @@ use crate::control::controller::{
     linuxcnc, siemens,
 };
 use crate::quantity::{Direction, Millimetres};
-use crate::text::{
-    Problems, Section, Source, Word, read_page_over, refuse_large_page, section, shown,
-};
+use crate::text::{Problems, Section, Source, Word, read_page, refuse_large_page, section, shown};
 use toml::de::{DeArray, DeTable, DeValue};
 
 /// Finds a built-in page by its id.
@@ -38,7 +36,7 @@ pub fn profile(
     let read = |root: &Section<'_>| read_profile(root, origin, &below, templates);
     let pages: Vec<(&str, &str)> =
         below.iter().map(|page| ("the built-in profile", *page)).collect();
-    Ok(read_page_over(source, &pages, lay_over, read)?.0)
+    Ok(read_page((source, &pages, lay_over), |_| true, read, |_| ())?.0)
 }
 
 /// The pages that a page builds on, the nearest first.

@@ -234,8 +234,7 @@ fn series(axis: Axis, table: &Table<'_>, rows: &[&Record<'_>]) -> Series {
     let mut series = Series::new(axis, rows[0].direction, Vec::new());
     series.lines = rows.iter().map(|row| row.line.number()).collect();
     for (index, column) in table.columns.iter().enumerate() {
-        let is_empty = |row: &&&Record<'_>| row.numbers[index].is_none();
-        let empty = rows.iter().filter(is_empty);
+        let empty = rows.iter().filter(|row| row.numbers[index].is_none());
         if empty.clone().count() == rows.len() {
             continue;
         }

@@ -138,20 +138,17 @@ impl Sizes {
         self.diagonals.iter().map(|(_, um)| *um).fold(0.0, f64::max)
     }
 
+    /// As the comment of a table has them.
+    fn text(&self) -> String {
+        joined(self.words())
+    }
+
     /// Those that are more than nothing.
     fn words(&self) -> impl Iterator<Item = String> {
         let terms = self.terms.iter().map(|(term, um)| (term.to_string(), *um));
         let diagonals = self.diagonals.iter().map(|(d, um)| (d.to_string(), *um));
         let all = terms.chain(diagonals).filter(|(_, um)| *um > 0.0);
         all.map(|(name, um)| format!("{name} {um:.4}"))
-    }
-
-    fn read(words: &str) -> Option<Sizes> {
-        let mut sizes = Sizes::default();
-        for (name, um) in pairs(words)? {
-            *sizes.named(name)? = um;
-        }
-        Some(sizes)
     }
 
     /// The one of this name.
@@ -164,20 +161,18 @@ impl Sizes {
     }
 }
 
-impl fmt::Display for Sizes {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&joined(self.words()))
-    }
-}
+/// A figure of this name.
+type Named<T> = for<'a> fn(&'a mut T, &str) -> Option<&'a mut f64>;
 
-/// Name and size of each; `None` where one is none.
-fn pairs(words: &str) -> Option<Vec<(&str, f64)>> {
-    let pair = |pair| {
-        let (name, um) = str::trim(pair).split_once(' ')?;
+/// What is `named` by its names and sizes; `None` where a name or a size is none.
+fn sized<T: Default>(words: &str, named: Named<T>) -> Option<T> {
+    let mut found = T::default();
+    for pair in words.split(',') {
+        let (name, um) = pair.trim().split_once(' ')?;
         let um: f64 = um.trim().parse().ok()?;
-        (um.is_finite() && um >= 0.0).then_some((name, um))
-    };
-    words.split(',').map(pair).collect()
+        *named(&mut found, name)? = Some(um).filter(|um| um.is_finite() && *um >= 0.0)?;
+    }
+    Some(found)
 }
 
 /// How far the largest of the errors may lie off, drawn together, with 95 %, µm.
@@ -206,23 +201,23 @@ impl LargestErrors {
 
     fn read(words: &str) -> Option<LargestErrors> {
         let (zero, rest) = words.split_once(':')?;
-        let mut found = LargestErrors { zero: zero.trim().to_string(), ..LargestErrors::default() };
-        for (name, um) in pairs(rest)? {
-            *match name {
-                "all" => &mut found.all_um,
-                "ranges" => &mut found.ranges_um,
-                name => found.single.named(name)?,
-            } = um;
-        }
-        Some(found)
+        Some(LargestErrors { zero: zero.trim().to_string(), ..sized(rest, LargestErrors::named)? })
     }
-}
 
-impl fmt::Display for LargestErrors {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// As the comment of a table has them.
+    fn text(&self) -> String {
         let both = [("all", self.all_um), ("ranges", self.ranges_um)];
         let both = both.into_iter().map(|(name, um)| format!("{name} {um:.4}"));
-        write!(out, "{}: {}", self.zero, joined(both.chain(self.single.words())))
+        format!("{}: {}", self.zero, joined(both.chain(self.single.words())))
+    }
+
+    /// The one of this name.
+    fn named(&mut self, name: &str) -> Option<&mut f64> {
+        match name {
+            "all" => Some(&mut self.all_um),
+            "ranges" => Some(&mut self.ranges_um),
+            name => self.single.named(name),
+        }
     }
 }
 
@@ -329,13 +324,14 @@ impl Remarks {
             Key::Note => self.notes.push(note(words)),
             Key::Largest => self.largest = LargestErrors::read(&words),
             Key::Measured => self.measured = LargestErrors::read(&words),
-            Key::Anew => self.anew = Sizes::read(&words),
+            Key::Anew => self.anew = sized(&words, Sizes::named),
             Key::SameLaser => {
-                let of =
-                    |(serial, words)| Some((str::trim(serial).to_string(), Sizes::read(words)?));
+                let of = |(serial, words)| {
+                    Some((str::trim(serial).to_string(), sized(words, Sizes::named)?))
+                };
                 self.same_laser = words.rsplit_once(':').and_then(of);
             }
-            Key::Doubtful => match Sizes::read(&words) {
+            Key::Doubtful => match sized(&words, Sizes::named) {
                 Some(sizes) => self.doubtful = Some(sizes),
                 None => self.doubts.push(doubtful(comment.to_string())),
             },
@@ -384,7 +380,7 @@ impl Remarks {
         let missing = self.not_determined.iter().map(|(term, why)| format!("{term}: {why}"));
         let reversal = self.hidden_reversal_um.map(|um| format!("{um:.3} um along the diagonals"));
         let same_laser = self.same_laser.as_ref();
-        let same_laser = same_laser.map(|(serial, sizes)| format!("{serial}: {sizes}"));
+        let same_laser = same_laser.map(|(serial, sizes)| format!("{serial}: {}", sizes.text()));
         let places = self.lines.map(|at| joined(at.iter().map(|(_, place)| place.mm())));
         let mut lines = Vec::new();
         tell(&mut lines, Key::Doubt, &self.doubts);
@@ -392,11 +388,11 @@ impl Remarks {
         tell(&mut lines, Key::Reversal, reversal);
         tell(&mut lines, Key::Freedom, self.degrees_of_freedom);
         lines.extend(self.silence.lines());
-        tell(&mut lines, Key::Largest, &self.largest);
-        tell(&mut lines, Key::Measured, &self.measured);
-        tell(&mut lines, Key::Anew, &self.anew);
+        tell(&mut lines, Key::Largest, self.largest.as_ref().map(LargestErrors::text));
+        tell(&mut lines, Key::Measured, self.measured.as_ref().map(LargestErrors::text));
+        tell(&mut lines, Key::Anew, self.anew.as_ref().map(Sizes::text));
         tell(&mut lines, Key::SameLaser, same_laser);
-        tell(&mut lines, Key::Doubtful, &self.doubtful);
+        tell(&mut lines, Key::Doubtful, self.doubtful.as_ref().map(Sizes::text));
         tell(&mut lines, Key::Frame, self.frame.map(Frame::word));
         tell(&mut lines, Key::Lines, places);
         tell(&mut lines, Key::Note, &self.notes);

@@ -29,22 +29,13 @@ use std::collections::HashMap;
 pub type List<'a> = (Option<Diagonal>, Measurement<'a>);
 
 /// Fills a form in, and gives its text; everything that is wrong is told at once.
-pub fn fill(
-    source: &Source,
-    lists: &[List<'_>],
-    encoding: Option<&'static encoding_rs::Encoding>,
-    stated: &Stated,
-) -> Result<String, Problems> {
+pub fn fill(source: &Source, lists: &[List<'_>], stated: &Stated) -> Result<String, Problems> {
     let intake = Intake::of(source, stated, Format::List);
-    let text = filled(&intake, lists, encoding);
+    let text = filled(&intake, lists);
     intake.end(text).map(|(text, _)| text)
 }
 
-fn filled(
-    intake: &Intake<'_>,
-    lists: &[List<'_>],
-    encoding: Option<&'static encoding_rs::Encoding>,
-) -> Option<String> {
+fn filled(intake: &Intake<'_>, lists: &[List<'_>]) -> Option<String> {
     let (source, stated) = (intake.source, intake.stated);
     let column = intake.notes.take(list_column(stated));
     let counting = intake.settled(&CAPTURES, None, stated.captures);
@@ -53,7 +44,7 @@ fn filled(
     form.with_targets = form.of_axis && column.1.content == DISPLACEMENT;
     form.refuse_other_lists(lists, intake);
     for (of, file) in lists {
-        let taken = text_of(*file, encoding, stated).and_then(|(list, _)| {
+        let taken = text_of(*file, stated).and_then(|(list, _)| {
             Ok(form.take(*of, &captures(&column, &list, stated.decimal)?, counting)?)
         });
         intake.notes.take(taken);
@@ -102,11 +93,9 @@ impl<'a> Form<'a> {
         };
         let names = header.cells();
         let of_axis = TARGETS.iter().any(|(target, _)| names.iter().any(|name| name == target));
-        let holds_values = |name: &Cow<'_, str>| {
+        let is_whole = names.last().is_some_and(|name| {
             name.starts_with("displacement_") || name.starts_with("deviation_")
-        };
-        let is_whole = names.last().is_some_and(holds_values)
-            && of_axis != names.iter().any(|name| name == DIAGONAL);
+        }) && of_axis != names.iter().any(|name| name == DIAGONAL);
         if !is_whole {
             return Err(refusals::no_form_header().at(header.whole()).into());
         }
@@ -135,10 +124,8 @@ impl<'a> Form<'a> {
 
     /// A form of diagonals takes a list of each, that of an axis one.
     fn refuse_other_lists(&self, lists: &[List<'_>], intake: &Intake<'_>) {
-        let wanted: Vec<Option<Diagonal>> = match self.of_axis {
-            true => vec![None],
-            false => Diagonal::ALL.map(Some).to_vec(),
-        };
+        let wanted: Vec<Option<Diagonal>> =
+            if self.of_axis { vec![None] } else { Diagonal::ALL.map(Some).to_vec() };
         let refuse = |of: &Option<Diagonal>, words: &str| {
             let name = of.map(|of| format!("`--{} FILE`", of.name().to_ascii_lowercase()));
             let name = name.unwrap_or("FILE alone".to_string());
@@ -231,10 +218,8 @@ impl<'a> Form<'a> {
 
     /// The form with its values; comments say where they are from.
     fn text(&self, form: &Source, column: &Column, own: impl Iterator<Item = String>) -> String {
-        let (heading, factor) = match self.of_axis {
-            true => ("deviation_um", 1.0),
-            false => (&*column.name, column.factor()),
-        };
+        let (heading, factor) =
+            if self.of_axis { ("deviation_um", 1.0) } else { (&*column.name, column.factor()) };
         let kept = form.text.lines().filter(|line| line.starts_with('#'));
         let kept = kept.map(|line| plain::comment(line.strip_prefix("# ").unwrap_or(&line[1..])));
         let own = own.map(|words| plain::comment(&words));
@@ -248,8 +233,7 @@ impl<'a> Form<'a> {
             let value = row.value_um.map(|um| Figure(rounded(um / factor, 9)).to_string());
             with_last(&row.cells, &value.unwrap_or_default())
         });
-        let lines: Vec<String> = kept.chain(own).chain([header]).chain(rows).collect();
-        lines.join("\n") + "\n"
+        kept.chain(own).chain([header]).chain(rows).collect::<Vec<_>>().join("\n") + "\n"
     }
 }
 
@@ -276,10 +260,7 @@ fn told(located: Option<Located>, name: impl Fn(usize) -> String) -> (Option<usi
         true => format!("one of {count} from {} to {}", name(first), name(last)),
         false => places.iter().map(|place| name(*place)).collect::<Vec<_>>().join(" or "),
     };
-    let odds = match odds > CERTAIN {
-        true => "more than 10⁹".to_string(),
-        false => format!("{odds:.0}"),
-    };
+    let odds = if odds > CERTAIN { "more than 10⁹".to_string() } else { format!("{odds:.0}") };
     let words = format!("most likely it is {names}, {odds} : 1 against any other place; {AGAIN}");
     (places.first().copied(), words)
 }
@@ -300,8 +281,7 @@ fn list_column(stated: &Stated) -> Result<ListColumn, Problem> {
         ("deviation", Content::reading(Values::Deviations), &LENGTHS),
     ]);
     let pair = text.rsplit_once('=').map(|(name, target)| (Named::of(name), target.trim()));
-    let found = pair.filter(|(name, _)| *name != Named::Number(0));
-    let found = found.and_then(|(name, target)| {
+    let found = pair.filter(|(name, _)| *name != Named::Number(0)).and_then(|(name, target)| {
         Some((name, known.into_iter().find(|known| known.name == target)?))
     });
     found.ok_or_else(|| refusals::no_readings(shown(text)))

@@ -129,8 +129,7 @@ impl<'a> Intake<'a> {
         }
         let (stated, by_commas) = (self.stated.decimal, header.delimiter() == b',');
         let refused = |(row, index): (usize, usize), problem: fn(String) -> Problem| {
-            let number = shown(&lines[row].cells()[index]);
-            Err(problem(number).at(lines[row].cell_place(index)))
+            Err(problem(shown(&lines[row].cells()[index])).at(lines[row].cell_place(index)))
         };
         match (stated, comma, point) {
             (Some(Decimal::Point), Some(at), _) => refused(at, refusals::comma_not_point),

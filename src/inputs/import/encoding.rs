@@ -3,10 +3,10 @@
 
 #[cfg(feature = "excel")]
 use crate::inputs::import::spreadsheet;
-use crate::inputs::import::stated::Stated;
+use crate::inputs::import::stated::{ENCODINGS, Stated, encoding_name};
 use crate::inputs::refusals;
 use crate::text::{Place, Problem, Problems, Source, joined};
-use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
+use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE};
 
 /// A file to be imported.
 #[derive(Clone, Copy, Debug)]
@@ -31,33 +31,10 @@ impl Measurement<'_> {
     }
 }
 
-/// Encodings that may be stated, and who writes them.
-const ENCODINGS: [(&Encoding, &str); 6] = [
-    (UTF_8, "newer programs"),
-    (WINDOWS_1252, "Windows in western Europe"),
-    (WINDOWS_1250, "Windows in central Europe"),
-    (GBK, "Windows in China"),
-    (UTF_16LE, ""),
-    (UTF_16BE, ""),
-];
-
-/// The encoding of a word such as `gbk`; `latin-1` is another word for `windows-1252`.
-pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
-    let name = if text == "latin-1" { "windows-1252" } else { text };
-    let found = ENCODINGS.iter().find(|(known, _)| word(known) == name);
-    let words = || joined(ENCODINGS.map(|(known, _)| word(known)));
-    found.map(|(known, _)| *known).ok_or_else(|| format!("expected {}", words()))
-}
-
-fn word(encoding: &'static Encoding) -> String {
-    encoding.name().to_ascii_lowercase()
-}
-
 /// The text of a file that may hold a measurement, and its encoding in words. Where a mapping of columns is
 /// stated, the ending of the name says nothing: the file may be the CSV that was asked for.
 pub(super) fn text_of(
     file: Measurement<'_>,
-    encoding: Option<&'static Encoding>,
     stated: &Stated,
 ) -> Result<(Source, String), Problems> {
     let ending = file.name.rsplit_once('.').map_or("", |(_, ending)| ending);
@@ -70,7 +47,7 @@ pub(super) fn text_of(
     if stated.sheet.is_some() {
         return Err(refusals::no_spreadsheet(file.path).into());
     }
-    let (encoding, known_by) = encoding_of(file, encoding)?;
+    let (encoding, known_by) = encoding_of(file, stated.encoding)?;
     let (text, is_broken) = encoding.decode_with_bom_removal(file.bytes);
     let tells = stated.columns.is_none() || is_broken;
     refuse_kind(file.path, stated_kind(&text).unwrap_or(if tells { ending } else { "" }))?;
@@ -89,12 +66,12 @@ fn encoding_of(
     let marked = Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
     match (marked, stated) {
         (Some(marked), Some(stated)) if marked != stated => {
-            Err(refusals::other_mark(word(stated), file.path, marked.name()))
+            Err(refusals::other_mark(encoding_name(stated), file.path, marked.name()))
         }
         (Some(marked), _) => Ok((marked, " (byte order mark)")),
         (None, Some(stated)) => Ok((stated, ", as stated")),
         (None, None) => match unmarked_utf_16(file.bytes) {
-            Some(order) => Err(refusals::unmarked(file.path, word(order))),
+            Some(order) => Err(refusals::unmarked(file.path, encoding_name(order))),
             None => Ok((UTF_8, "")),
         },
     }
@@ -105,8 +82,7 @@ fn unmarked_utf_16(bytes: &[u8]) -> Option<&'static Encoding> {
     const LOOKED_AT: usize = 512;
     let pairs = || bytes.chunks_exact(2).take(LOOKED_AT);
     let is_most = |at: usize| {
-        let zeros = pairs().filter(|pair| pair[at] == 0 && pair[1 - at] != 0);
-        zeros.count() * 4 > pairs().len() * 3
+        pairs().filter(|pair| pair[at] == 0 && pair[1 - at] != 0).count() * 4 > pairs().len() * 3
     };
     match (is_most(1), is_most(0)) {
         (true, _) => Some(UTF_16LE),
@@ -118,9 +94,9 @@ fn unmarked_utf_16(bytes: &[u8]) -> Option<&'static Encoding> {
 fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
     let at = text.find('\u{fffd}').unwrap_or(0);
     let place = Place::in_text(path, text, at, at + '\u{fffd}'.len_utf8());
-    let others = ENCODINGS.iter();
-    let others = others.filter(|(other, users)| *other != encoding && !users.is_empty());
-    let others = others.map(|(other, users)| format!("`--encoding {}` ({users})", word(other)));
+    let others = ENCODINGS.iter().filter(|(other, users)| *other != encoding && !users.is_empty());
+    let others =
+        others.map(|(other, users)| format!("`--encoding {}` ({users})", encoding_name(other)));
     refusals::other_letter(encoding.name(), joined(others)).at(place)
 }
 
@@ -142,7 +118,6 @@ fn refuse_kind(path: &str, kind: &str) -> Result<(), Problem> {
 fn stated_kind(head: &str) -> Option<&str> {
     head.lines().find_map(|line| {
         let (key, value) = line.split_once(':')?;
-        let is_type = key.trim().eq_ignore_ascii_case("file type");
-        is_type.then(|| value.trim())
+        key.trim().eq_ignore_ascii_case("file type").then(|| value.trim())
     })
 }

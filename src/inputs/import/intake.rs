@@ -68,8 +68,7 @@ impl<'a> Intake<'a> {
 
     /// What came of it: the value with all that is said, if nothing is wrong.
     pub(super) fn end<T>(self, value: Option<T>) -> Result<(T, Vec<Finding>), Problems> {
-        let value = self.notes.end(value)?;
-        Ok((value.ok_or_else(Problems::none)?, self.findings.into_inner()))
+        Ok((self.notes.end(value)?.ok_or_else(Problems::none)?, self.findings.into_inner()))
     }
 
     /// Its first letter.
@@ -272,8 +271,7 @@ impl<'a> Piece<'a> {
         if words.len() == columns {
             return Some(words);
         }
-        let found = words.len();
-        self.refused(refusals::other_count(found, columns))
+        self.refused(refusals::other_count(words.len(), columns))
     }
 
     pub(super) fn place(&self) -> Place {
@@ -329,8 +327,7 @@ impl<'a> Piece<'a> {
 }
 
 fn key_of(label: &str) -> String {
-    let letters = label.chars().filter(|c| c.is_alphanumeric());
-    letters.flat_map(char::to_lowercase).collect()
+    label.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 /// Values with their keys, in the order of the file.

@@ -73,8 +73,7 @@ impl Expected {
     /// Which capture has no value: `values` are one fewer than the captures. The value of that capture is the
     /// unknown one, so that the way over the gap counts.
     pub(super) fn missing(&self, values: &[f64]) -> Option<Located> {
-        let captures = self.begins.len();
-        self.located(captures, |at, place, unknown| match at == place {
+        self.located(self.begins.len(), |at, place, unknown| match at == place {
             true => Some(self.nominal_um[at] + unknown),
             false => values.get(at - usize::from(at > place)).copied(),
         })

@@ -24,14 +24,10 @@ const MOST_LINES: usize = 100;
 const MOST_COLUMNS: usize = 1000;
 
 /// The format of a file, and what was stated with what is understood beside it.
-pub(super) fn recognised(
-    source: &Source,
-    from: Option<Format>,
-    stated: &Stated,
-) -> Result<(Format, Stated), Problem> {
+pub(super) fn recognised(source: &Source, stated: &Stated) -> Result<(Format, Stated), Problem> {
     let mut whole = stated.clone();
     let known = if stated.columns.is_some() { Some(Format::Columns) } else { format_of(source) };
-    let mut format = from.or(known);
+    let mut format = stated.from.or(known);
     let is_open = stated.columns.is_none() && format.is_none_or(|own| own == Format::Columns);
     let understood = || lines(source).take(MOST_LINES).find_map(|line| columns(&line));
     if let Some((columns, mapping)) = is_open.then(understood).flatten() {
@@ -230,8 +226,7 @@ impl Mapping {
             let target = target.trim();
             let Some(column) = column_of(target) else {
                 let known = known();
-                let names = known.iter().map(|own| own.name.as_str());
-                let help = did_you_mean(target, names, COLUMNS);
+                let help = did_you_mean(target, known.iter().map(|own| own.name.as_str()), COLUMNS);
                 problems.push(refusals::unknown_column(shown(target), help));
                 continue;
             };

@@ -128,8 +128,7 @@ impl<'a> Parameter<'a> {
             return self.piece.refused(refusals::no_curve(shown(&self.name)));
         }
         let along = component.along;
-        let known = series.iter().position(|series| series.axis == along);
-        let known = known.unwrap_or_else(|| {
+        let known = series.iter().position(|series| series.axis == along).unwrap_or_else(|| {
             series.push(Series::new(along, None, positions.clone()));
             series.len() - 1
         });
@@ -152,8 +151,7 @@ impl<'a> Parameter<'a> {
 
 /// Parameters → series and squareness.
 fn assemble(parameters: &[Parameter<'_>], intake: &Intake<'_>) -> Option<Contents> {
-    let sign = intake.sign(None);
-    let sign = intake.if_sound(sign)??;
+    let sign = intake.if_sound(intake.sign(None))??;
     let unit = "positions and deviations in mm, angles in rad (the format's); positions are machine coordinates";
     intake.say([ImportFinding::UnitOfFormat { unit }]);
     let mut found = Contents::default();
@@ -244,8 +242,7 @@ pub(super) fn read_isg<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         let (header, lines) = block.split_first()?;
         read_block(header, lines)
     });
-    let parameters: Vec<Parameter<'_>> = blocks.flatten().flatten().collect();
-    assemble(&parameters, intake)
+    assemble(&blocks.flatten().flatten().collect::<Vec<_>>(), intake)
 }
 
 /// The parameters of a block: the names of its columns, the first one that of the argument, and rows of numbers.

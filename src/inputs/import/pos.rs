@@ -102,11 +102,9 @@ fn fields<'a>(lines: &[Piece<'a>]) -> Fields<'a> {
 type Header = (LengthUnit, usize, [usize; 2]);
 
 fn header(fields: &Fields<'_>, first: &Piece<'_>) -> Option<Header> {
-    let field = |label: &str| {
-        let word = fields.value(label);
-        word.or_else(|| first.refused(refusals::there_is_no(format!("`{label}`"))))
-    };
-    let [unit, positions, runs, kind] = ["Unit", "NumofPos", "RunNum", "TestType"].map(field);
+    let [unit, positions, runs, kind] = ["Unit", "NumofPos", "RunNum", "TestType"].map(|label| {
+        fields.value(label).or_else(|| first.refused(refusals::there_is_no(format!("`{label}`"))))
+    });
     let unit = unit.and_then(|word| {
         word.read("`Unit`", "a unit of length such as mm or inch", AGAIN, LengthUnit::from_text)
     });

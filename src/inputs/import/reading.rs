@@ -64,9 +64,8 @@ impl Passes {
 
     /// How many runs went which way, and what they tell of the uncertainty.
     pub(super) fn of_runs(&self, intake: &Intake<'_>) -> Vec<ImportFinding> {
-        let Some(run) = intake.stated.targets_run else {
-            return Vec::new();
-        };
+        // Where it is not stated, nothing is said of the file but that.
+        let run = intake.stated.targets_run.unwrap_or(Direction::Plus);
         let counts = self.ways.iter().map(|(way, runs)| (runs.len(), travelled(*way, run)));
         let counts: Vec<(usize, Direction)> = counts.collect();
         let fewest = counts.iter().map(|(runs, _)| *runs).min().unwrap_or(0);
@@ -158,8 +157,7 @@ impl Placing {
     ) {
         let figures = means(runs);
         let of_targets: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
-        let deviations = self.deviations(&of_targets, component, sign);
-        series.put(Content::Value(component.kind), deviations);
+        series.put(Content::Value(component.kind), self.deviations(&of_targets, component, sign));
         let scatter: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
         if let (Kind::Deviation(_), Some(u)) = (component.kind, scatter) {
             let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / u.len() as f64;
@@ -400,10 +398,9 @@ impl<'a, 'b> Group<'a, 'b> {
 
     fn is_single(&self, run: &[&Row<'_>]) -> bool {
         let tidy = |row: &Row<'_>| tidy(row.position);
-        let is_twice = |pair: &&[&Row<'_>]| tidy(pair[0]).total_cmp(&tidy(pair[1])).is_eq();
         let twice = run
             .windows(2)
-            .filter(is_twice)
+            .filter(|pair| tidy(pair[0]).total_cmp(&tidy(pair[1])).is_eq())
             .map(|pair| self.refuse(pair[1], refusals::position_twice(pair[1].position)));
         twice.count() == 0
     }

@@ -39,8 +39,7 @@ const ABSOLUTE: &[(&str, Values)] = &[("Absolute", Values::Absolute)];
 
 pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     let lines = intake.lines();
-    let heading = lines.iter().position(is_heading);
-    let (above, below) = lines.split_at(heading.unwrap_or(lines.len()));
+    let (above, below) = lines.split_at(lines.iter().position(is_heading).unwrap_or(lines.len()));
     let mut fields = Fields::of(above);
     fields.0.retain(|(_, value)| !value.text.is_empty());
     let header = Header { fields, place: below.first().copied() };
@@ -98,8 +97,7 @@ fn passes<'a>(intake: &'a Intake<'a>, table: &[Piece<'a>]) -> Option<Passes> {
         }
     };
     let lines: Vec<Piece<'a>> = lines.iter().filter(|line| !line.is_blank()).copied().collect();
-    let columns = intake.numbers(&lines, ways.len() + 2, char::is_whitespace)?;
-    let mut columns = columns.into_iter();
+    let mut columns = intake.numbers(&lines, ways.len() + 2, char::is_whitespace)?.into_iter();
     let (numbers, targets) = (columns.next()?, columns.next()?);
     let mut whole = Some(());
     for (line, (number, expected)) in lines.iter().zip(numbers.iter().zip(1_u32..)) {
@@ -137,8 +135,7 @@ impl<'a> Header<'a> {
     /// Likewise, by how its text begins.
     fn begins<T: Copy>(&self, label: &str, known: &[(&str, T)]) -> Option<Option<(T, Piece<'a>)>> {
         let words: Vec<String> = known.iter().map(|(begin, _)| format!("`{begin}`")).collect();
-        let expected = format!("a text that begins with {}", words.join(" or "));
-        self.line(label, &expected, |text| {
+        self.line(label, &format!("a text that begins with {}", words.join(" or ")), |text| {
             let is = |begin: &str| text.to_lowercase().starts_with(&begin.to_lowercase());
             known.iter().find(|(begin, _)| is(begin)).map(|(_, what)| *what)
         })

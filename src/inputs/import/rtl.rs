@@ -45,10 +45,9 @@ const POSITIONING: Component = Component { kind: Kind::Deviation(Axis::X), along
 /// limits the targets keep the coordinates of the file: no figure depends on where they are
 pub fn measured_runs(
     file: Measurement<'_>,
-    stated_encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
 ) -> Result<(target_runs::Runs, Vec<Finding>), Problems> {
-    let (source, name) = text_of(file, stated_encoding, &Stated::default())?;
+    let (source, name) = text_of(file, stated)?;
     let intake = Intake::of(&source, stated, Format::Rtl);
     intake.say([ImportFinding::Encoding { name }]);
     let runs = runs_of(&intake);
@@ -153,8 +152,7 @@ impl<'a> Sections<'a> {
         }
         let needed = ["TARGET DATA", "RUNS", "DEVIATIONS", "EOF"];
         let lacking = needed.iter().filter(|needed| !self.found.contains_key(**needed));
-        let lacking = lacking.map(|needed| self.lacks::<()>(&format!("section `{needed}::`")));
-        if lacking.count() > 0 {
+        if lacking.map(|needed| self.lacks::<()>(&format!("section `{needed}::`"))).count() > 0 {
             return None;
         }
         let user = self.user_fields();
@@ -172,10 +170,8 @@ impl<'a> Sections<'a> {
         }
         let runs = self.runs(run_count, count)?;
         let (targets, place) = targets.filter(|(targets, _)| targets.len() == count)?;
-        let environment = self.lines("ENVIRONMENT");
-        let noted = environment.iter().filter(|line| !line.is_blank());
-        let says = |line: &Piece<'_>| ImportFinding::Says { entry: shown(line.text.trim()) };
-        self.intake.say(noted.map(says));
+        let noted = self.lines("ENVIRONMENT").iter().filter(|line| !line.is_blank());
+        self.intake.say(noted.map(|line| ImportFinding::Says { entry: shown(line.text.trim()) }));
         let ends = targets.first().zip(targets.last());
         self.check_material(ends.map_or(0.0, |(first, last)| (last - first).abs()));
         let (ways, left_out) = self.ways(&runs).unwrap_or_default();
@@ -311,8 +307,7 @@ impl<'a> Sections<'a> {
             Runs::Unidirectional if is_measured => Some((vec![(forward, all.to_vec())], None)),
             Runs::Unidirectional => {
                 let runs = (2..=all.len()).step_by(2).collect();
-                let never_made = is_zero.then_some(ImportFinding::NeverMade { runs });
-                Some((vec![(forward, odd)], never_made))
+                Some((vec![(forward, odd)], is_zero.then_some(ImportFinding::NeverMade { runs })))
             }
         }
     }

@@ -6,8 +6,10 @@ use crate::control::controller::TableSign;
 use crate::inputs::error_table::Component;
 use crate::inputs::refusals;
 use crate::quantity::{Axis, Direction};
-use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem};
+use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem, joined};
 use clap::{Args, ValueEnum};
+use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
+use std::ops::RangeInclusive;
 
 /// Formats that can be read, in the order of the documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -114,6 +116,13 @@ pub(super) fn described(format: Format) -> String {
 /// What was stated on the command line; `None` = nothing.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Stated {
+    /// Format of the file [default: by what stands in it]
+    #[arg(long, value_name = "FORMAT")]
+    pub from: Option<Format>,
+    /// Encoding of its text, where it does not show: windows-1252 (= latin-1), windows-1250, gbk,
+    /// utf-16le, utf-16be or utf-8
+    #[arg(long, value_name = "ENCODING", value_parser = encoding_word)]
+    pub encoding: Option<&'static Encoding>,
     /// The moving axis
     #[arg(long, value_parser = axis_word)]
     pub axis: Option<Axis>,
@@ -182,6 +191,38 @@ fn term_word(text: &str) -> Result<Component, String> {
 pub fn millimetres(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
     number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
+}
+
+/// A number within a range; beyond it a unit was mistaken.
+pub(crate) fn number(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    let (low, high) = (range.start(), range.end());
+    number.filter(|number| range.contains(number)).ok_or_else(|| {
+        format!("expected a number from {low} to {high} {unit}, with a decimal point")
+    })
+}
+
+/// Encodings that may be stated, and who writes them.
+pub(super) const ENCODINGS: [(&Encoding, &str); 6] = [
+    (UTF_8, "newer programs"),
+    (WINDOWS_1252, "Windows in western Europe"),
+    (WINDOWS_1250, "Windows in central Europe"),
+    (GBK, "Windows in China"),
+    (UTF_16LE, ""),
+    (UTF_16BE, ""),
+];
+
+/// The encoding of a word such as `gbk`; `latin-1` is another word for `windows-1252`.
+pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
+    let name = if text == "latin-1" { "windows-1252" } else { text };
+    let found = ENCODINGS.iter().find(|(known, _)| encoding_name(known) == name);
+    let words = || joined(ENCODINGS.map(|(known, _)| encoding_name(known)));
+    found.map(|(known, _)| *known).ok_or_else(|| format!("expected {}", words()))
+}
+
+/// Its name in small letters.
+pub(super) fn encoding_name(encoding: &'static Encoding) -> String {
+    encoding.name().to_ascii_lowercase()
 }
 
 /// A fact that a file may not carry.
@@ -258,14 +299,12 @@ impl Fact {
 impl Stated {
     /// Every option with its value, in a fixed order.
     pub fn given(&self) -> Vec<(&'static str, String)> {
-        let given = FACTS.iter();
-        given.filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
+        FACTS.iter().filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
     }
 
     /// A comment for each option.
     pub(super) fn comments(&self) -> impl Iterator<Item = String> {
-        let given = self.given().into_iter();
-        given.map(|(option, value)| format!("stated: {option} {value}"))
+        self.given().into_iter().map(|(option, value)| format!("stated: {option} {value}"))
     }
 
     /// What is given here, but not there, as options.

@@ -26,10 +26,7 @@ pub enum UseOf {
 impl UseOf {
     /// Figures, with tables beside them or without.
     pub const fn with(tables: bool) -> UseOf {
-        match tables {
-            true => UseOf::Tables,
-            false => UseOf::Figures,
-        }
+        if tables { UseOf::Tables } else { UseOf::Figures }
     }
 
     /// Whether a key has to be filled in for it; `key` = its dotted path, entries of a list without number.
@@ -88,8 +85,7 @@ pub(crate) fn policies_as_stated(policies: &PerAxis<Option<BacklashPolicy>>) -> 
     if let Some(policy) = policies.x.filter(|_| one_for_all(policies)) {
         return format!("\"{}\"", policy.word());
     }
-    let own = policies.iter();
-    let own = own.filter_map(|(axis, policy)| Some((axis, (*policy)?)));
+    let own = policies.iter().filter_map(|(axis, policy)| Some((axis, (*policy)?)));
     let each = own.map(|(axis, policy)| format!("{} = \"{}\"", axis.key(), policy.word()));
     format!("{{ {} }}", joined(each))
 }
@@ -167,8 +163,7 @@ const BITS: [&str; 2] = [
 impl AxisSettings {
     /// Whether Fanuc 3605#1 is taken to be on: as stated, else as found, else off.
     pub(crate) fn is_interpolated(&self) -> bool {
-        let found = self.parameter_3605.is_some_and(|bits| bits & 0b10 != 0);
-        self.interpolated.unwrap_or(found)
+        self.interpolated.unwrap_or(self.parameter_3605.is_some_and(|bits| bits & 0b10 != 0))
     }
 }
 
@@ -195,7 +190,7 @@ section! {
         /// Fanuc: first straightness set that is free, from 1
         pub first_set: Option<u32> = count(1..=u32::MAX, "sets count from 1");
         /// every axis that moves in a compensated term
-        pub axes: PerAxis<Option<AxisSettings>> = axis_sections(axis_settings);
+        pub axes: PerAxis<Option<AxisSettings>> = axes(|s, axis| s.sub(axis.key(), axis_settings));
     }
 }
 
@@ -286,9 +281,8 @@ fn grid(
     section.not_both("points", "spacing_mm", "keep one");
     section.not_both("max_residual_um", "spacing_mm", "keep one");
     section.not_both("max_residual_um", "points", "keep one");
-    let spacing = spacing_mm.map(GridRequest::Spacing);
     let residual = max_residual_um.map(GridRequest::MaxResidual);
-    spacing.or(points.map(GridRequest::Points)).or(residual)
+    spacing_mm.map(GridRequest::Spacing).or(points.map(GridRequest::Points)).or(residual)
 }
 
 /// `id`, or the `ids` of a gantry.

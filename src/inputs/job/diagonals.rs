@@ -250,8 +250,7 @@ pub(super) fn volume(
 fn size(section: &Section<'_>) -> Option<Places> {
     let size = PerAxis::from_fn(|axis| {
         section.require(axis.key(), "the edge along this axis, mm");
-        let size = section.between(axis.key(), SMALLEST_SIZE_MM..=LONGEST_MM, "mm");
-        size.map(Millimetres::new)
+        section.between(axis.key(), SMALLEST_SIZE_MM..=LONGEST_MM, "mm").map(Millimetres::new)
     });
     size.all()
 }
@@ -289,8 +288,7 @@ fn slope(section: &Section<'_>, key: &'static str) -> Option<f64> {
 fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
     let beam = Beam::read(section)?;
     let (from, to) = (beam.from, beam.to);
-    let is_short = |axis: &Axis| (to[*axis] - from[*axis]).mm().abs() < SMALLEST_SIZE_MM;
-    if Axis::ALL.iter().all(is_short) {
+    if Axis::ALL.iter().all(|axis| (to[*axis] - from[*axis]).mm().abs() < SMALLEST_SIZE_MM) {
         section.refuse("to_mm", refusals::beam_of_one_place());
     }
     for axis in Axis::ALL {

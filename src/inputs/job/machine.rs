@@ -15,7 +15,7 @@ section! {
         /// kinematic chain (section 1), e.g. `wXYZt`; optional, needed with angles
         pub chain: Option<Chain> = parsed(Chain::parse, CHAIN);
         /// likewise y, z: every axis that was measured or is corrected
-        pub axes: Axes = axis_sections(MachineAxis::checked);
+        pub axes: Axes = axes(|s, axis| s.sub(axis.key(), MachineAxis::checked));
     }
 }
 

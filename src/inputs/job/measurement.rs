@@ -152,8 +152,7 @@ impl Levers {
     /// were separated with one origin and judged with another are those of no machine.
     pub fn origin(&self, axes: &Axes) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| {
-            let reference = axes[axis].map(|machine| machine.reference);
-            let place = self.offsets[axis].or(reference);
+            let place = self.offsets[axis].or(axes[axis].map(|machine| machine.reference));
             place.map_or(0.0, Millimetres::mm)
         })
     }
@@ -219,15 +218,13 @@ impl Measurement {
             ("tilt_arcsec", stated.tilt_arcsec),
         ];
         let is_table = matches!(self.data, MeasuredData::Errors(_));
-        let unused = all.into_iter();
-        let unused = unused.filter(|(_, value)| is_table && value.is_some());
+        let unused = all.into_iter().filter(|(_, value)| is_table && value.is_some());
         unused.map(|(key, _)| key).collect()
     }
 
     /// What every output has to say of the measurement: what is stated and not used, one sentence each.
     pub(crate) fn notes(&self) -> Vec<Finding> {
-        let keys = self.unused_keys().into_iter();
-        keys.map(|key| Remark::NotUsed { key }.into()).collect()
+        self.unused_keys().into_iter().map(|key| Remark::NotUsed { key }.into()).collect()
     }
 }
 
@@ -286,8 +283,7 @@ fn data(section: &Section<'_>, axes: &Axes) -> Option<MeasuredData> {
 
 /// The tables that the section names: of errors, of readings.
 pub(super) fn tables(section: &Section<'_>) -> (Vec<String>, Option<String>) {
-    let errors = error_tables(section).unwrap_or_default();
-    (errors, section.text("readings"))
+    (error_tables(section).unwrap_or_default(), section.text("readings"))
 }
 
 /// The path of an error table, or a list of them.
@@ -307,8 +303,7 @@ fn squareness(measurement: &Section<'_>, key: &'static str) -> Vec<(ErrorTerm, f
     measurement.only_with(key, is_table, "`errors`"); // readings measure the squareness themselves
     let read = |section: &Section<'_>| {
         let given = Plane::ALL.into_iter();
-        let given = given.filter_map(|own| Some((own.carrier(), section.number(own.key())?)));
-        Some(given.collect())
+        Some(given.filter_map(|own| Some((own.carrier(), section.number(own.key())?))).collect())
     };
     measurement.sub(key, read).unwrap_or_default()
 }

@@ -61,8 +61,7 @@ fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
         Some(plain(place))
     };
     let is_second = |key, first, second| {
-        let word = section.choice(key, &[(first, false), (second, true)]);
-        word.unwrap_or(false)
+        section.choice(key, &[(first, false), (second, true)]).unwrap_or(false)
     };
     let start = inside("start_mm").unwrap_or(usual.start);
     let (tools, tool_names) = tools(section);

@@ -212,8 +212,7 @@ fn measured_box(
     only_of(section, "order", what, RunType::StepDiagonal);
     let measured = measurement.and_then(Measurement::diagonals).map(|measured| &measured.volume);
     let kind = what.and_then(RunType::path).unwrap_or(PathKind::Straight);
-    let is_required = measured.is_none() && measurement.is_some();
-    volume(section, kind, measured, is_required)
+    volume(section, kind, measured, measured.is_none() && measurement.is_some())
 }
 
 /// What the job states for the same kind of run, else what is usual for it.
@@ -243,8 +242,7 @@ fn rest(section: &Section<'_>, key: &'static str, what: Option<RunType>) -> Opti
 fn is_bidirectional(section: &Section<'_>, key: &'static str, way_back: WayBack) -> bool {
     let is_retraced = way_back == WayBack::Retrace;
     let stated = section.flag(key);
-    let fits = stated != Some(true) || is_retraced;
-    section.only_with("return", fits, "`bidirectional = false`");
+    section.only_with("return", stated != Some(true) || is_retraced, "`bidirectional = false`");
     stated.unwrap_or(is_retraced)
 }
 

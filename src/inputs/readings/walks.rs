@@ -147,8 +147,7 @@ impl Walked<'_, '_> {
             true => Some(volume.moved(last + 1 - node.min(last))),
             false => forward(node),
         };
-        let wrong = |row: &&&Row<'_>| row.node <= last && row.moved != expected(row.node);
-        let row = *rows.iter().find(wrong)?;
+        let row = *rows.iter().find(|row| row.node <= last && row.moved != expected(row.node))?;
         let order = Axis::letters(&volume.order);
         let mut moves = rows.iter().filter(|row| row.node > 0);
         if walk.is_own() && moves.all(|row| row.moved == forward(row.node)) {
@@ -160,8 +159,7 @@ impl Walked<'_, '_> {
         let word = |axis: Option<Axis>| axis.map_or("no axis".to_string(), |axis| axis.to_string());
         let by = expected(row.node).map_or(String::new(), |_| format!(" by the order {order}"));
         let (found, wanted) = (word(row.moved), word(expected(row.node)) + &by);
-        let help = self.next_step(walk, rows);
-        Some((row, refusals::other_move(walk, row.node, found, wanted, help)))
+        Some((row, refusals::other_move(walk, row.node, found, wanted, self.next_step(walk, rows))))
     }
 
     /// What may have been meant by other axes than those of the job's order.
@@ -190,8 +188,7 @@ impl Walked<'_, '_> {
 fn missing(rows: &[&Row<'_>], last: usize) -> Vec<(usize, usize)> {
     let mut missing = Vec::new();
     let mut next = 0;
-    let nodes = rows.iter().map(|row| row.node).filter(|node| *node <= last);
-    for node in nodes.chain([last + 1]) {
+    for node in rows.iter().map(|row| row.node).filter(|node| *node <= last).chain([last + 1]) {
         if node > next {
             missing.push((next, node - 1));
         }

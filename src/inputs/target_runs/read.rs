@@ -150,8 +150,7 @@ impl<'a> Layout<'a> {
             let all = || Some((column, direction?, run?, value?));
             return all().into_iter().collect();
         }
-        let columns = self.table.columns.iter();
-        let cells = columns.filter_map(|column| {
+        let cells = self.table.columns.iter().filter_map(|column| {
             let reading = column.content.of_run()?;
             let (direction, run) = reading.direction.zip(reading.run)?;
             Some((column, direction, run, length(row, column)?))
@@ -163,8 +162,7 @@ impl<'a> Layout<'a> {
     fn by_target<'r>(&self, readings: &'r [Reading<'a>]) -> Targets<'r, 'a> {
         let mut sorted: Vec<&Reading<'_>> = readings.iter().collect();
         sorted.sort_by(|a, b| a.target_mm.total_cmp(&b.target_mm));
-        let at_one_place = sorted.chunk_by(|a, b| a.target_mm >= b.target_mm);
-        let targets = at_one_place.map(|readings| {
+        let targets = sorted.chunk_by(|a, b| a.target_mm >= b.target_mm).map(|readings| {
             let mut of_target = BTreeMap::new();
             for reading in readings {
                 let first = *of_target.entry((reading.direction, reading.run)).or_insert(*reading);
@@ -296,8 +294,7 @@ fn values_by_name(
     let named = reading.and_then(|column| Some((column, column.content.as_reading()?.values?)));
     if let Some((column, named)) = named {
         return stated.filter(|other| *other != named).map_or(Ok(Some(named)), |other| {
-            let problem = refusals::other_values(other.word(), &column.name, named.word());
-            Err(table.at(column, problem))
+            Err(table.at(column, refusals::other_values(other.word(), &column.name, named.word())))
         });
     }
     let mut others = table.columns.iter().filter(|own| is_length(own) && own.unit != target.unit);

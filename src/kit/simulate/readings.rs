@@ -114,8 +114,7 @@ impl Rehearsal {
         for (pass, readings) in &mut passes {
             let angles = self.angles.as_ref().and_then(|angles| angles.of(diagonal, *pass));
             let effect = |node: usize| angles.and_then(|of| of.get(node).copied()).unwrap_or(0.0);
-            let nodes = readings.iter_mut().enumerate();
-            nodes.for_each(|(node, um)| *um = *um - zero + effect(node));
+            readings.iter_mut().enumerate().for_each(|(node, um)| *um = *um - zero + effect(node));
         }
         Some(passes)
     }
@@ -285,13 +284,13 @@ impl SimulatedMachine<'_> {
     /// Positions at which any error of an axis was measured, inside the range of all of them.
     fn positions(&self, axis: Axis) -> Vec<Millimetres> {
         let model = &self.inputs.model;
-        let Some((low, high)) = model.ranges[axis] else {
-            return Vec::new();
+        let is_measured = |at: f64| {
+            model.ranges[axis].is_some_and(|(low, high)| (low.mm()..=high.mm()).contains(&at))
         };
         let terms = model.measured_along(axis);
         let mut positions: Vec<Millimetres> = terms
             .flat_map(|(_, measured)| measured.curves().flat_map(|curve| curve.knots().to_vec()))
-            .filter(|knot| (low.mm()..=high.mm()).contains(&knot.mm()))
+            .filter(|knot| is_measured(knot.mm()))
             .collect();
         positions.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
         positions.dedup_by(|a, b| (a.mm() - b.mm()).abs() < SAME_PLACE_MM);

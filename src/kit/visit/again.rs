@@ -179,8 +179,7 @@ impl Page<'_> {
         let line = self.line(path);
         let is_own =
             |line: &Range<usize>| self.source.text[line.clone()].trim_start().starts_with(key);
-        let own = line.filter(is_own);
-        self.changes.extend(own.map(|line| (line, String::new())));
+        self.changes.extend(line.filter(is_own).map(|line| (line, String::new())));
     }
 
     fn text(mut self) -> String {
@@ -222,13 +221,9 @@ fn emptied(source: &Source) -> String {
     let separator = char::from(header.delimiter()).to_string();
     let row = |cells: Vec<std::borrow::Cow<'_, str>>| {
         let kept = names.iter().zip(cells);
-        let kept = kept.map(|(name, cell)| match PLACE.contains(&&**name) {
-            true => cell,
-            false => "".into(),
-        });
+        let kept = kept.map(|(name, cell)| if PLACE.contains(&&**name) { cell } else { "".into() });
         kept.collect::<Vec<_>>().join(&separator)
     };
     let rows = rows.iter().map(|line| row(line.cells()));
-    let lines: Vec<String> = std::iter::once(names.join(&separator)).chain(rows).collect();
-    lines.join("\n") + "\n"
+    std::iter::once(names.join(&separator)).chain(rows).collect::<Vec<_>>().join("\n") + "\n"
 }

@@ -43,9 +43,7 @@ impl Section<'_> {
         key: &'static str,
         mut read: impl FnMut(&Section<'_>) -> Option<T>,
     ) -> Vec<T> {
-        let sections = self.sections(key);
-        let read = sections.iter().filter_map(|section| whole(section, &mut read));
-        read.collect()
+        self.sections(key).iter().filter_map(|section| whole(section, &mut read)).collect()
     }
 
     /// What stands under `x`, `y` and `z` of a sub-section.
@@ -54,17 +52,7 @@ impl Section<'_> {
         key: &'static str,
         read: impl Fn(&Section<'_>, Axis) -> Option<T>,
     ) -> PerAxis<Option<T>> {
-        let axes = self.sub(key, |s| Some(PerAxis::from_fn(|axis| read(s, axis))));
-        axes.unwrap_or_default()
-    }
-
-    /// Sub-sections of this kind, one for each axis.
-    pub(crate) fn axis_sections<T>(
-        &self,
-        key: &'static str,
-        read: impl Fn(&Section<'_>) -> Option<T>,
-    ) -> PerAxis<Option<T>> {
-        self.axes(key, |s, axis| s.sub(axis.key(), &read))
+        self.sub(key, |s| Some(PerAxis::from_fn(|axis| read(s, axis)))).unwrap_or_default()
     }
 
     /// What a function makes of the key.

@@ -21,7 +21,7 @@ pub(crate) fn states(source: &Source, key: &str) -> bool {
 /// A page may build on others, the nearest first: `lay_over` takes into a page what it wants of the one below. The
 /// places below are those of a text in which one page follows the other.
 pub(crate) fn read_page<T>(
-    (mut source, below, lay_over): (Source, &[(&str, &str)], LayOver),
+    (mut source, below, lay_over): Pages<'_>,
     needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
     besides: impl FnOnce(&Section<'_>),
@@ -49,30 +49,21 @@ pub(crate) fn read_page<T>(
     let without_number =
         |path: &str| path.split('[').filter_map(|part| part.rsplit(']').next()).collect::<String>();
     let open = all.iter().filter(|(path, _, is_empty)| *is_empty && needs(&without_number(path)));
-    let open = open.map(|(_, span, _)| span.clone()).collect();
-    section.note_all(to_be_filled_in(&source, open));
+    section.note_all(to_be_filled_in(&source, open.map(|(_, span, _)| span.clone()).collect()));
     if !noted.problems.is_sound() {
         besides(&section);
     }
     noted.problems.end(())?;
     let stated = all.into_iter().filter(|(.., is_empty)| !is_empty);
     source.spots = stated.map(|(path, span, _)| (path, span)).collect();
-    let unread = || Problem::new(format!("`{}` could not be read", source.name));
-    Ok((value.ok_or_else(unread)?, source))
+    Ok((value.ok_or_else(|| Problem::new(format!("`{}` could not be read", source.name)))?, source))
 }
 
-/// The same of a page all of whose keys are needed.
-pub(crate) fn read_page_over<T>(
-    source: Source,
-    below: &[(&str, &str)],
-    lay_over: LayOver,
-    read: impl FnOnce(&Section<'_>) -> Option<T>,
-) -> Result<(T, Source), Problems> {
-    read_page((source, below, lay_over), |_| true, read, |_| ())
-}
+/// A page, those that it builds on with their names, and how it does.
+pub(crate) type Pages<'a> = (Source, &'a [(&'a str, &'a str)], LayOver);
 
 /// Takes into a page what it wants of the one below.
-type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
+pub(crate) type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
 
 /// All keys that are to be filled in, as one problem that shows their lines.
 fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
@@ -106,14 +97,12 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
-                let number = with_a_point(&source.text, comma);
-                let problem = refused::comma_in_number(number);
+                let problem = refused::comma_in_number(with_a_point(&source.text, comma));
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
             continue;
         }
-        let written = span.clone().and_then(|span| source.text.get(span));
-        let mut problem = match (message, written) {
+        let mut problem = match (message, span.clone().and_then(|span| source.text.get(span))) {
             ("duplicate key", Some(key)) => refused::key_twice(shown(key)),
             _ if in_escape(&source.text, start) => refused::escape(),
             _ => refused::not_toml(message),
@@ -168,12 +157,11 @@ fn decimal_comma(text: &str, at: usize, last: &mut (usize, Option<usize>)) -> Op
         return last.1;
     }
     let line = text[start..].split('\n').next()?;
-    let ends_a_value = |comma: &usize| {
+    let in_braces = line.find('{').map_or(0..0, |open| start + open..start + line.len());
+    let found = in_braces.filter(between_digits).find(|comma| {
         let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
         rest.trim_start_matches(' ').starts_with([',', '}'])
-    };
-    let in_braces = line.find('{').map_or(0..0, |open| start + open..start + line.len());
-    let found = in_braces.filter(between_digits).find(ends_a_value);
+    });
     *last = (start, found);
     found
 }

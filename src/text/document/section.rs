@@ -252,15 +252,13 @@ impl<'a> Section<'a> {
 
     /// A list of texts, if the key is present.
     pub fn texts(&self, key: &'static str) -> Option<Vec<String>> {
-        let expected = "a list of texts, e.g. [\"a\", \"b\"]";
-        self.typed(key, expected, |value| list_of(value, text_of))
+        self.typed(key, "a list of texts, e.g. [\"a\", \"b\"]", |value| list_of(value, text_of))
     }
 
     /// A list of pairs of whole numbers, if the key is present.
     pub(crate) fn whole_pairs(&self, key: &'static str) -> Option<Vec<[u32; 2]>> {
         let pair = |value: &DeValue<'_>| list_of(value, whole_of)?.try_into().ok();
-        let expected = "pairs of whole numbers, e.g. [[512, 767]]";
-        self.typed(key, expected, |value| list_of(value, pair))
+        self.typed(key, "pairs of whole numbers, e.g. [[512, 767]]", |value| list_of(value, pair))
     }
 
     /// A sub-section, if it is present.
@@ -287,8 +285,7 @@ impl<'a> Section<'a> {
     }
 
     fn child(&self, table: &'a DeTable<'a>, span: Range<usize>, key: &str) -> Section<'a> {
-        let path = self.path_of(key);
-        Section { span, path, ..Section::root(self.source, table, self.noted) }
+        Section { span, path: self.path_of(key), ..Section::root(self.source, table, self.noted) }
     }
 
     /// Keys and texts of a free sub-section (protocol); numbers are kept as they are written.
@@ -387,8 +384,7 @@ fn whole_of(value: &DeValue<'_>) -> Option<u32> {
 
 /// Every entry of a list, if all of them can be read.
 fn list_of<T>(value: &DeValue<'_>, read: impl Fn(&DeValue<'_>) -> Option<T>) -> Option<Vec<T>> {
-    let items = value.as_array()?.iter();
-    items.map(|item| read(item.get_ref())).collect()
+    value.as_array()?.iter().map(|item| read(item.get_ref())).collect()
 }
 
 /// What is noted of a page while it is read.
