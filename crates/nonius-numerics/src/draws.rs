@@ -220,3 +220,85 @@ pub fn range(values: &[Lanes]) -> Lanes {
     add(&mut most, -1.0, &least);
     most
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::{Cause, Layout, Part, Row, Variance};
+    use chacha20::rand_core::SeedableRng;
+
+    /// Two curves of four values over the readings of a run with four nodes; three causes, the third a sum of the others.
+    fn measured() -> (Model, Vec<CurveRows>) {
+        let layout = Layout { nodes: 4, passes: 1, lines: 0, apart: 0 };
+        let straight = layout.column(|_, node| node as f64);
+        let bend = layout.column(|d, node| (node * node) as f64 * f64::from(d as u8));
+        let both = straight.iter().zip(&bend).map(|(a, b)| a - 0.5 * b).collect();
+        let cause = |(column, variance)| Cause { part: Part::Beam, column, variance, of_beam: 0.0 };
+        let causes = [(straight, 0.04), (bend, 0.01), (both, 0.09)].map(cause).to_vec();
+        let mut own = vec![0.25; layout.line(0)];
+        own.resize(layout.entries(), 0.0);
+        let model = Model {
+            layout,
+            freedom: None,
+            own,
+            of_setup: 0.0,
+            causes,
+            laser: None,
+            angles: Vec::new(),
+        };
+        let step = |at: usize| Row(vec![(at + 1, 1.0), (at, -1.0), (at + 5, 0.5)]);
+        let curve = |first: usize| CurveRows {
+            steps: (first..first + 3).map(step).collect(),
+            line: Row(vec![(12, 0.3)]),
+            ..CurveRows::default()
+        };
+        (model, vec![curve(0), curve(4)])
+    }
+
+    #[test]
+    fn causes_make_of_the_curves_what_their_columns_make() {
+        let (model, rows) = measured();
+        let curves = Curves::new(&model, rows);
+        let times = [[1.0, 0.0, 0.0, 2.0], [0.0, 1.0, 0.0, -1.0], [0.0, 0.0, 1.0, 3.0]];
+        let made = curves.made_by(&[(0, times[0]), (1, times[1]), (2, times[2])]);
+        let mut moved = curves.made_by(&[]);
+        for (cause, times) in model.causes.iter().zip(times) {
+            let each = moved.iter_mut().zip(curves.moved_by(&alike(&cause.column)));
+            each.for_each(|(moved, column)| {
+                (0..LANES).for_each(|lane| moved[lane] += times[lane] * column[lane]);
+            });
+        }
+        let pairs = made.as_flattened().iter().zip(moved.as_flattened());
+        assert!(pairs.into_iter().all(|(made, moved)| (made - moved).abs() < 1e-9), "{made:?}");
+    }
+
+    #[test]
+    fn draws_scatter_as_the_model_says() {
+        let (model, rows) = measured();
+        let curves = Curves::new(&model, rows);
+        let drawn = |number: u64| {
+            let mut random =
+                [0, 1, 2, 3].map(|lane: u64| ChaCha8Rng::seed_from_u64(4 * number + lane));
+            curves.drawn([1.0; LANES], &mut random, None).0
+        };
+        let u = root_mean_squares(&(0..2000).map(drawn).collect::<Vec<_>>());
+        let variances = curves.rows.iter().flat_map(|rows| rows.variances(&model));
+        for (u, Variance { all, .. }) in u.iter().zip(variances) {
+            assert!((u - all.sqrt()).abs() <= 0.05 * all.sqrt(), "{u} {}", all.sqrt());
+        }
+    }
+
+    #[test]
+    fn the_largest_and_the_range_are_those_of_each_draw() {
+        let is = |found: &[Lanes], expected: &[Lanes]| {
+            let pairs = found.as_flattened().iter().zip(expected.as_flattened());
+            assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        };
+        let values = [[1.0, -2.0, 0.0, 0.5], [-3.0, 1.0, 0.25, 0.5]];
+        let most = largest(&values, &[0.5, 0.0], [1.0, 0.0, 2.0, 0.0], &[0.1, 1.0]);
+        is(&[most], &[[4.0, 1.5, 2.25, 1.0]]);
+        is(&[range(&values)], &[[4.0, 3.0, 0.25, 0.0]]);
+        let both = [(2.0, true, &values[..]), (1.0, false, &values[..])];
+        is(&sum(2, both.into_iter()), &[[-1.0, -3.0, 0.25, 1.5], [-5.0, 0.0, 0.5, 1.5]]);
+    }
+}
