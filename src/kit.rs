@@ -22,20 +22,19 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
-use crate::kit::manifest::{HashedFile, Manifest, SCHEMA};
+use crate::kit::manifest::{HashedFile, Machine, Manifest, Predecessor, SCHEMA, State};
 pub use crate::read::emulator;
 pub use crate::text::sha256;
 use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, TOOL};
 use crate::write::plan::Plan;
+use field::Shown;
 pub(crate) use inputs::{Asked, cannot_emulate};
 pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
 use loaded::{Made, named_backlash};
 use serde::Serialize;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
 pub(crate) use verification::second_look;
 pub use verification::{SecondLook, Verification, forecast, verify, verify_read_out};
 
@@ -87,7 +86,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     Ok(Kit { plan, compiled, files, effect, forecast, verdict, ways, manifest })
 }
 
-fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Value>) -> Manifest {
+fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
     let Made { inputs, plan, compiled, files, forecast, doubts, .. } = made;
     let (Job { machine, measurement, .. }, controller) = (&inputs.job, inputs.profile.id.clone());
     let active = inputs.active.as_ref();
@@ -97,25 +96,23 @@ fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Value>) -> Manifest {
     Manifest {
         schema: SCHEMA,
         tool: TOOL,
-        predecessor: active.and_then(|active| manifest::predecessor(active, &controller)),
+        predecessor: active.and_then(|active| Predecessor::of(active, &controller)),
         controller,
         inputs: inputs.hashes.clone(),
         files: files.iter().map(hashed).collect(),
         assumptions: compiled.assumptions.clone(),
         preconditions: compiled.preconditions.clone(),
         omitted: plan.omitted.clone(),
-        forecast: manifest::figures(forecast),
+        forecast: forecast.into(),
         tables: compiled.placements.clone(),
-        state: manifest::state(&compiled.state, |name| {
-            named_backlash(inputs, plan, compiled, name)
-        }),
-        machine: json!({
-            "name": machine.name,
-            "serial": machine.serial,
-            "chain": machine.chain.map(|chain| chain.to_string()),
-            "measured": measurement.date,
-            "protocol": BTreeMap::from_iter(measurement.protocol.iter().cloned()),
-        }),
+        state: State::of(&compiled.state, |name| named_backlash(inputs, plan, compiled, name)),
+        machine: Machine {
+            name: machine.name.clone(),
+            serial: machine.serial.clone(),
+            chain: machine.chain.map(|chain| chain.to_string()),
+            measured: measurement.date.clone(),
+            protocol: measurement.protocol.iter().cloned().collect(),
+        },
         what_decides: decides.flatten(),
         sign_proofs,
         doubts: doubts.clone(),

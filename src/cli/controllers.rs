@@ -3,10 +3,12 @@
 
 use crate::cli::outcome::{Format, Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
-use crate::control::controller::{Evidence, JobKey, Profile, ProfileSource, Statement, builtin};
+use crate::control::controller::program::Language;
+use crate::control::controller::{
+    Evidence, JobKey, Profile, ProfileSource, Role, Statement, builtin,
+};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
-use crate::kit::manifest::flat;
 use crate::kit::{Inputs, generate, program_kit, template_context};
 use crate::read::check_examples;
 use crate::text::{Problems, Source};
@@ -14,7 +16,7 @@ use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use crate::visit::job_files::profile;
 use clap::{Args, Subcommand};
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// What `controllers` does.
@@ -72,27 +74,44 @@ pub(super) fn run(command: Option<&Command>, files: &dyn Files) -> Result<Outcom
 fn list(print: Print) -> Result<Outcome, Problems> {
     let profiles = builtin::ids().into_iter().map(builtin::profile);
     let profiles: Vec<Profile> = profiles.collect::<Result<_, _>>()?;
-    let rows = profiles.iter().map(|profile| {
-        let (facts, [manual, assumed, executed]) = (profile.statements.len(), counts(profile));
-        format!("{}\t{}\t{facts}\t{manual}\t{assumed}\t{executed}", profile.id, profile.name)
+    let list = List { schema: 1, controllers: profiles.iter().map(Summary::of).collect() };
+    let rows = list.controllers.iter().zip(&profiles).map(|(of, profile)| {
+        let Summary { id, name, manual, assumed, executed, .. } = of;
+        format!("{id}\t{name}\t{}\t{manual}\t{assumed}\t{executed}", profile.statements.len())
     });
     let heading = "id\tcontrol\t>facts\t>manual\t>assumed\t>executed";
-    let controllers = || profiles.iter().map(summary).collect::<Vec<_>>();
-    let document = || json!({ "schema": 1, "controllers": controllers() });
-    print.outcome(|| Screen::of(table(heading, rows)), document)
+    print.outcome(|| Screen::of(table(heading, rows)), || &list)
 }
 
-/// How many facts of a control are known from a manual, are assumed, were executed.
-fn counts(profile: &Profile) -> [usize; 3] {
-    let count = |evidence| profile.statements.iter().filter(|s| s.evidence == evidence).count();
-    [Evidence::Manual, Evidence::Assumed, Evidence::Executed].map(count)
+#[derive(Serialize)]
+struct List<'a> {
+    schema: u32,
+    controllers: Vec<Summary<'a>>,
 }
 
-/// A control, as scripts read it.
-fn summary(profile: &Profile) -> Value {
-    let [manual, assumed, executed] = counts(profile);
-    json!({ "id": profile.id, "name": profile.name, "dialect": profile.family.word,
-        "manual": manual, "assumed": assumed, "executed": executed })
+/// A control, and how many of its facts are how well known.
+#[derive(Serialize)]
+struct Summary<'a> {
+    id: &'a str,
+    name: &'a str,
+    dialect: &'static str,
+    manual: usize,
+    assumed: usize,
+    executed: usize,
+}
+
+impl Summary<'_> {
+    fn of(profile: &Profile) -> Summary<'_> {
+        let count = |evidence| profile.statements.iter().filter(|s| s.evidence == evidence).count();
+        Summary {
+            id: &profile.id,
+            name: &profile.name,
+            dialect: profile.family.word,
+            manual: count(Evidence::Manual),
+            assumed: count(Evidence::Assumed),
+            executed: count(Evidence::Executed),
+        }
+    }
 }
 
 fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome, Problems> {
@@ -104,27 +123,59 @@ fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome
         };
         return Ok(Outcome::text(&page));
     }
-    print.outcome(|| Screen::of(profile_text(&profile)), || document(&profile))
+    print.outcome(|| Screen::of(profile_text(&profile)), || Document::of(&profile))
 }
 
 /// A profile, as scripts read it.
-fn document(profile: &Profile) -> Value {
-    let program = profile.program.as_ref().map(|of| {
-        json!({ "language": of.language, "template": of.template.name, "facts": of.statements })
-    });
-    let examples = profile.examples.iter().map(|own| &own.source);
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    summary: Summary<'a>,
+    schema: u32,
+    facts: &'a [Statement],
+    files: Vec<OfFile<'a>>,
+    program: Option<OfProgram<'a>>,
+    job: &'a [JobKey],
+    examples: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+struct OfFile<'a> {
+    path: &'a str,
+    role: Role,
+    template: &'a str,
+}
+
+/// How its part programs are written.
+#[derive(Serialize)]
+struct OfProgram<'a> {
+    language: Language,
+    template: &'a str,
+    facts: &'a [Statement],
+}
+
+impl Document<'_> {
+    fn of(profile: &Profile) -> Document<'_> {
+        let program = profile.program.as_ref().map(|of| OfProgram {
+            language: of.language,
+            template: &of.template.name,
+            facts: &of.statements,
+        });
+        Document {
+            summary: Summary::of(profile),
+            schema: 1,
+            facts: &profile.statements,
+            files: files_of(profile).collect(),
+            program,
+            job: &profile.job_keys,
+            examples: profile.examples.iter().map(|own| own.source.as_str()).collect(),
+        }
+    }
+}
+
+fn files_of(profile: &Profile) -> impl Iterator<Item = OfFile<'_>> {
     let files = profile.files.iter();
-    let files =
-        files.map(|of| json!({ "path": of.path, "role": of.role, "template": of.template.name }));
-    let facts = json!({
-        "schema": 1,
-        "facts": profile.statements,
-        "files": files.collect::<Vec<_>>(),
-        "program": program,
-        "job": profile.job_keys,
-        "examples": examples.collect::<Vec<_>>(),
-    });
-    flat([summary(profile), facts])
+    files.map(|of| OfFile { path: &of.path, role: of.role, template: &of.template.name })
 }
 
 fn profile_text(profile: &Profile) -> String {
@@ -159,8 +210,8 @@ fn job_key_text(key: &JobKey) -> String {
 }
 
 fn files_text(profile: &Profile) -> String {
-    let files = profile.files.iter();
-    let rows = files.map(|of| format!("{}\t{}\t{}", of.path, of.role.word(), of.template.name));
+    let rows = files_of(profile)
+        .map(|OfFile { path, role, template }| format!("{path}\t{}\t{template}", role.word()));
     table("file\trole\ttemplate", rows)
 }
 
@@ -197,7 +248,7 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
         profile.id,
         kit.files.len()
     );
-    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || document(&profile))?;
+    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || Document::of(&profile))?;
     Ok(outcome.saying(print.detail, valid))
 }
 

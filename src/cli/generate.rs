@@ -15,7 +15,7 @@ use crate::text::Problems;
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 // Options of `generate`.
@@ -155,12 +155,23 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
 /// `--compare`: backlash policies and spacings side by side.
 fn side_by_side(inputs: &Inputs, print: Print) -> Result<Outcome, Problems> {
     let compared = compare(inputs);
-    let document = || {
-        json!({ "schema": 1, "machine": inputs.job.machine.name,
-            "controller": inputs.profile.id, "compared": compared })
+    let document = || SideBySide {
+        schema: 1,
+        machine: &inputs.job.machine.name,
+        controller: &inputs.profile.id,
+        compared: &compared,
     };
     let outcome = print.outcome(|| screen_of_all(inputs, &compared), document)?;
     Ok(outcome.answering(compared.first().is_some_and(passes)))
+}
+
+/// What scripts read of it.
+#[derive(Serialize)]
+struct SideBySide<'a> {
+    schema: u32,
+    machine: &'a str,
+    controller: &'a str,
+    compared: &'a [Compared],
 }
 
 fn passes(compared: &Compared) -> bool {

@@ -4,14 +4,14 @@ use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
-use crate::inputs::import::{self, Kind, List, fill, squareness_lines};
+use crate::inputs::import::{self, Imported, Kind, List, fill, squareness_lines};
 use crate::kit::manifest::HashedFile;
 use crate::quantity::{Diagonal, Direction};
-use crate::text::{Named, Problems, Severity, Source, of_severity};
+use crate::text::{Finding, Named, Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};
 use crate::visit::job_files::Given;
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 // Options of `import`. What a file does not carry has to be stated; see docs/measuring.md §5.
@@ -50,60 +50,89 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let file = Given::read(files, options.file.as_deref().unwrap_or(Path::new("-")))?;
     let imported = import::import(file.measurement(), &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
-    let format = word(imported.format);
-    let [facts, warnings] =
-        [Severity::Label, Severity::Note].map(|of| of_severity(&imported.findings, of));
-    let series = imported.draft.series.iter().map(of_series);
-    let squareness = imported.squareness.iter().map(|s| (s.pair, s.um_per_m));
-    let document = json!({
-        "schema": 1,
-        "source": file.hash,
-        "format": format,
-        "output": with_slashes(place),
-        "stated": Named::from_iter(options.stated.given()),
-        "facts": facts,
-        "warnings": warnings,
-        "series": series.collect::<Vec<_>>(),
-        "squareness_um_per_m": Named::from_iter(squareness),
-    });
+    let document = Document {
+        schema: 1,
+        source: &file.hash,
+        format: word(imported.format),
+        output: with_slashes(place),
+        stated: options.stated.given().into_iter().collect(),
+        facts: of_severity(&imported.findings, Severity::Label),
+        warnings: of_severity(&imported.findings, Severity::Note),
+        series: imported.draft.series.iter().map(OfSeries::of).collect(),
+        squareness_um_per_m: imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect(),
+    };
     let next = format!(
         "\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
         file_name(place)
     );
     // What the file says, what was done with it, what belongs into the job.
-    let facts = facts.iter().map(|fact| format!("\n{fact}"));
+    let facts = document.facts.iter().map(|fact| format!("\n{fact}"));
     let screen = || Screen {
         figures: paragraphs(&[
-            series_table(&imported.draft.series),
+            series_table(&imported, &document.series),
             squareness_lines(&imported.squareness).join("\n"),
         ]),
-        always: warnings.iter().map(|words| format!("warning: {words}")).collect(),
-        ..Screen::of(format!("read as {format}{}", facts.collect::<String>()))
+        always: document.warnings.iter().map(|words| format!("warning: {words}")).collect(),
+        ..Screen::of(format!("read as {}{}", document.format, facts.collect::<String>()))
     };
     options.output.deliver(files, Some(held(imported.text.clone())), screen, || &document, &next)
 }
 
-/// What was measured in a series.
-fn terms(series: &Series) -> Vec<String> {
-    series.components().map(|component| component.to_string()).collect()
+/// The summary for scripts.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    source: &'a HashedFile,
+    format: String,
+    output: String,
+    stated: Named<&'static str, String>,
+    facts: Vec<Finding>,
+    warnings: Vec<Finding>,
+    series: Vec<OfSeries>,
+    squareness_um_per_m: Named<&'static str, f64>,
 }
 
-/// What a series holds, as scripts read it.
-fn of_series(series: &Series) -> Value {
-    let [from_mm, to_mm] = series.ends_mm();
-    let (direction, points) = (series.direction.map(Direction::symbol), series.positions.len());
-    json!({ "axis": series.axis.key(), "direction": direction, "terms": terms(series),
-        "points": points, "from_mm": from_mm, "to_mm": to_mm })
+/// The same of lists that fill in a form.
+#[derive(Serialize)]
+struct OfForm<'a> {
+    schema: u32,
+    format: &'static str,
+    lists: Vec<&'a HashedFile>,
+    stated: Named<&'static str, String>,
 }
 
-fn series_table(all: &[Series]) -> String {
-    let rows = all.iter().map(|series| {
+/// What a series holds.
+#[derive(Serialize)]
+struct OfSeries {
+    axis: &'static str,
+    direction: Option<&'static str>,
+    terms: Vec<String>,
+    points: usize,
+    from_mm: Option<f64>,
+    to_mm: Option<f64>,
+}
+
+impl OfSeries {
+    fn of(series: &Series) -> OfSeries {
+        let [from_mm, to_mm] = series.ends_mm();
+        OfSeries {
+            axis: series.axis.key(),
+            direction: series.direction.map(Direction::symbol),
+            terms: series.components().map(|component| component.to_string()).collect(),
+            points: series.positions.len(),
+            from_mm,
+            to_mm,
+        }
+    }
+}
+
+fn series_table(imported: &Imported, all: &[OfSeries]) -> String {
+    let rows = imported.draft.series.iter().zip(all).map(|(series, of)| {
         let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
-        let ([from, to], points) = (series.ends_mm().map(end), series.positions.len());
-        let travel = series.direction.map_or("both", Direction::symbol);
+        let (from, to, travel) = (end(of.from_mm), end(of.to_mm), of.direction.unwrap_or("both"));
         let has_u = series.uncertainties.keys().any(|kind| matches!(kind, Kind::Deviation(_)));
         let u = if has_u { "yes" } else { "not stated" };
-        let terms = terms(series).join(" ");
+        let (points, terms) = (of.points, of.terms.join(" "));
         format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)
     });
     table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
@@ -122,9 +151,12 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let given: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
     let lists: Vec<List<'_>> = given.iter().map(|(of, file)| (*of, file.measurement())).collect();
     let text = fill(&form, &lists, &options.stated)?;
-    let hashes: Vec<&HashedFile> = given.iter().map(|(_, file)| &file.hash).collect();
-    let stated = Named::from_iter(options.stated.given());
-    let document = json!({ "schema": 1, "format": "list", "lists": hashes, "stated": stated });
+    let document = OfForm {
+        schema: 1,
+        format: "list",
+        lists: given.iter().map(|(_, file)| &file.hash).collect(),
+        stated: options.stated.given().into_iter().collect(),
+    };
     let screen = || Screen::of("every capture of the form has its value".to_string());
     options.output.deliver(files, Some(held(text)), screen, || document, "")
 }

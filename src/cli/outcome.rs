@@ -8,7 +8,8 @@ use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
-use serde::Serialize;
+use serde::ser::Error as _;
+use serde::{Serialize, Serializer};
 use std::io::{Cursor, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -215,6 +216,19 @@ impl Outcome {
             Err(error) if is_reader_gone(&error) => Ok(()),
             printed => printed,
         }
+    }
+}
+
+/// A document without what is not known.
+pub(super) struct Known<T>(pub(super) T);
+
+impl<T: Serialize> Serialize for Known<T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut document = serde_json::to_value(&self.0).map_err(S::Error::custom)?;
+        if let Some(fields) = document.as_object_mut() {
+            fields.retain(|_, value| !value.is_null());
+        }
+        document.serialize(to)
     }
 }
 

@@ -4,26 +4,27 @@
 mod text;
 mod words;
 
-use crate::cli::outcome::{Outcome, Output, Plot, held};
+use crate::cli::outcome::{Known, Outcome, Output, Plot, held};
 use crate::inputs::error_table;
 use crate::inputs::job::SetUp;
-use crate::kit::manifest::{flat, known};
 use crate::machine::separation::Separation;
+use crate::machine::separation::campaign::Estimate;
 use crate::machine::separation::monte_carlo::{Trials, simulate};
-use crate::machine::separation::readings::{Noise, coverage_factor};
+use crate::machine::separation::readings::{Noise, NoiseSource, coverage_factor};
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
-use crate::machine::standards::{Diagonals, by_standard, repeatability_um};
+use crate::machine::standards::{DiagonalFigures, Diagonals, by_standard, repeatability_um};
 use crate::page::separated;
 use crate::quantity::{
-    Axis, Diagonal, Direction, Listed, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Run, Volume,
-    picometres,
+    Axis, Diagonal, Direction, Listed, Millimetres, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,
+    Run, Volume, picometres,
 };
 use crate::text::{Finding, Named, Problem, Problems};
 use crate::visit::files::Files;
 use crate::visit::job_files::{CampaignFiles, read_campaign};
 use clap::Args;
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use words::{Found, advice, straight_screen};
@@ -99,8 +100,57 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
     Ok(options.output.print.outcome(screen, document)?.answering(result.doubts.is_empty()))
 }
 
+/// Of both directions together, or of one.
+#[derive(Serialize)]
+struct Entry<'a> {
+    position_mm: Vec<Millimetres>,
+    deviation_um: &'a [f64],
+    u_um: Option<Vec<f64>>,
+}
+
+/// The figures of all four diagonals together, and of each.
+#[derive(Serialize)]
+struct AllDiagonals<'a> {
+    range_over_all_um: Option<f64>,
+    scale_sum_um_mm: f64,
+    e_d_um: Option<f64>,
+    b_d_um: Option<f64>,
+    label: &'a str,
+    #[serde(flatten)]
+    each: Named<Diagonal, Known<OfDiagonal<'a>>>,
+}
+
+#[derive(Serialize)]
+struct OfDiagonal<'a> {
+    end_reading_um: f64,
+    range_um: Option<f64>,
+    figures_um: &'a DiagonalFigures,
+    repeatability_um: Option<Named<&'static str, Option<f64>>>,
+    closure_largest_um: Option<f64>,
+    closure_end_um: Option<f64>,
+}
+
+/// σ of a single reading and where it comes from.
+#[derive(Serialize)]
+struct OfNoise {
+    sigma_um: f64,
+    degrees_of_freedom: Option<usize>,
+    coverage_factor: f64,
+    source: NoiseSource,
+    /// Of steps alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    closure_probability: Option<Option<f64>>,
+}
+
+#[derive(Serialize)]
+struct Ends {
+    low: Estimate,
+    high: Estimate,
+    constancy_probability: Option<f64>,
+}
+
 /// Of step diagonals; `advice`: what would determine what is open.
-fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Value {
+pub(super) fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Known<Value> {
     let (metric, closure) = (&of.metric, &of.closure);
     let (u_squareness, tilts, turn) = (metric.u_squareness(), of.tilts.as_ref(), of.turn.as_ref());
     let sigma = of.noise.map(|noise| noise.sigma_um);
@@ -108,10 +158,10 @@ fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Value {
     let (rank, unknowns) = of.rank();
     let noise = of.noise.map(|noise| {
         let test = closure.test(&noise);
-        flat([of_noise(noise), json!({ "closure_probability": test.map(|test| test.probability) })])
+        OfNoise::of(noise, Some(test.map(|test| test.probability)))
     });
     let diagonals = (&of.volume, &of.end_um, Some(of.runs.as_slice()), None);
-    known(json!({
+    Known(json!({
         "schema": 1,
         "errors": entries(of),
         "squareness_um_per_m": metric.squareness_um_per_m(),
@@ -129,12 +179,12 @@ fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Value {
         "rank": { "rank": rank, "unknowns": unknowns,
             "undetermined": of.undetermined, "advice": advice },
         "outliers": closure.outliers,
-        "diagonals": of_diagonals(figures, diagonals),
+        "diagonals": AllDiagonals::of(figures, diagonals),
         "noise": noise,
         "reversal_um": turn.map(|turn| PerTerm::from_fn(|term| turn.reversal[term].um)),
         "u_reversal_um": turn.map(|turn| PerTerm::from_fn(|term| turn.reversal[term].u_um)),
         "reversal_change_um": turn.map(|turn| &turn.change_um),
-        "reversal_at_ends": turn.map(|turn| PerAxis::from_fn(|axis| ends(turn, axis))),
+        "reversal_at_ends": turn.map(|turn| PerAxis::from_fn(|axis| Ends::of(turn, axis))),
         "reversal_by_diagonal": turn.map(|turn| &turn.by_diagonal),
         "separated_slope_um_per_m": of.naive_slopes_um_per_m,
         "shape_um": of.shapes,
@@ -147,16 +197,16 @@ fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Value {
 }
 
 /// Of straight runs.
-fn of_straight(
+pub(super) fn of_straight(
     of: &StraightResult,
     figures: &Diagonals,
     (undetermined, advice): (&[Finding], &[String]),
-) -> Value {
+) -> Known<Value> {
     let metric = &of.metric;
     let scale = |axis| metric.scale(axis).um_per_m;
-    let scales = |found: &dyn Fn(Axis) -> Option<f64>| known(json!(PerAxis::from_fn(found)));
+    let scales = |found: &dyn Fn(Axis) -> Option<f64>| Known(PerAxis::from_fn(found));
     let diagonals = (&of.volume, &of.end_um, None, of.closure.as_ref());
-    known(json!({
+    Known(json!({
         "schema": 1,
         "squareness_um_per_m": metric.squareness_um_per_m(),
         "u_squareness_um_per_m": metric.u_squareness().map(|u| Some(u?.u)),
@@ -165,8 +215,8 @@ fn of_straight(
         "u_scale_um_per_m": scales(&|axis| scale(axis).and(Some(metric.scale(axis).u?.u))),
         "rank": { "rank": metric.rank, "unknowns": 6,
             "undetermined": undetermined, "advice": advice },
-        "diagonals": of_diagonals(figures, diagonals),
-        "noise": of.noise.map(of_noise),
+        "diagonals": AllDiagonals::of(figures, diagonals),
+        "noise": of.noise.map(|noise| OfNoise::of(noise, None)),
         "closure_test": of.closure,
         "doubts": of.doubts,
         "not_stated": of.silence.not_stated,
@@ -176,7 +226,7 @@ fn of_straight(
 }
 
 /// Of both directions together, and of each where they are known apart.
-fn entries(separation: &Separation) -> Named<String, Value> {
+fn entries(separation: &Separation) -> Named<String, Known<Entry<'_>>> {
     let directed = |way: Direction| Some((way.symbol(), separation.errors.directed(way)?));
     let directed = Direction::BOTH.into_iter().filter_map(directed);
     let all = std::iter::once(("", &separation.errors.mean)).chain(directed);
@@ -184,9 +234,9 @@ fn entries(separation: &Separation) -> Named<String, Value> {
         errors.iter().filter_map(move |(term, found)| {
             let found = found.as_ref()?;
             let position_mm = separation.volume.positions(term.along);
-            let entry = json!({ "position_mm": position_mm, "deviation_um": found.deviation_um,
-                "u_um": found.u_um() });
-            Some((format!("{term}{suffix}"), known(entry)))
+            let entry =
+                Entry { position_mm, deviation_um: &found.deviation_um, u_um: found.u_um() };
+            Some((format!("{term}{suffix}"), Known(entry)))
         })
     });
     entries.collect()
@@ -198,47 +248,52 @@ fn largest(tests: &[ClosureTest], diagonal: Diagonal) -> Option<&ClosureTest> {
     of.max_by(|a, b| a.largest_um.total_cmp(&b.largest_um))
 }
 
-/// σ of a single reading and where it comes from.
-fn of_noise(noise: Noise) -> Value {
-    let factor = coverage_factor(noise.freedom_f64());
-    json!({ "sigma_um": noise.sigma_um, "degrees_of_freedom": noise.freedom,
-        "coverage_factor": factor, "source": noise.source })
+impl OfNoise {
+    fn of(noise: Noise, closure_probability: Option<Option<f64>>) -> OfNoise {
+        let Noise { sigma_um, freedom: degrees_of_freedom, source } = noise;
+        let coverage_factor = coverage_factor(noise.freedom_f64());
+        OfNoise { sigma_um, degrees_of_freedom, coverage_factor, source, closure_probability }
+    }
 }
 
 /// The box, far ends, the runs of steps, closure tests of straight runs.
 type Diagonally<'a> =
     (&'a Volume, &'a PerDiagonal<f64>, Option<&'a [Run]>, Option<&'a ClosureTests>);
 
-/// The figures of all four diagonals together, and of each.
-fn of_diagonals(all: &Diagonals, (volume, end_um, runs, tests): Diagonally<'_>) -> Value {
-    let each = end_um.iter().zip(all.diagonals.iter()).map(|((diagonal, end_um), (_, of))| {
-        let test = tests.and_then(|tests| largest(&tests.tests, diagonal));
-        let repeatability = |runs| {
-            let um = |pass: Pass| (pass.word(), repeatability_um(runs, diagonal, pass));
-            Named::from_iter(Pass::BOTH.map(um))
-        };
-        let figures = json!({
-            "end_reading_um": end_um,
-            "range_um": of.range_um,
-            "figures_um": of,
-            "repeatability_um": runs.map(repeatability),
-            "closure_largest_um": test.map(|test| test.largest_um),
-            "closure_end_um": test.map(|test| test.end_um),
+impl AllDiagonals<'_> {
+    fn of<'a>(
+        all: &'a Diagonals,
+        (volume, end_um, runs, tests): Diagonally<'_>,
+    ) -> AllDiagonals<'a> {
+        let each = end_um.iter().zip(all.diagonals.iter()).map(|((diagonal, end_um), (_, of))| {
+            let test = tests.and_then(|tests| largest(&tests.tests, diagonal));
+            let passes = |runs| {
+                Pass::BOTH.map(|pass: Pass| (pass.word(), repeatability_um(runs, diagonal, pass)))
+            };
+            let figures = OfDiagonal {
+                end_reading_um: *end_um,
+                range_um: of.range_um,
+                figures_um: of,
+                repeatability_um: runs.map(|runs| passes(runs).into_iter().collect()),
+                closure_largest_um: test.map(|test| test.largest_um),
+                closure_end_um: test.map(|test| test.end_um),
+            };
+            (diagonal, Known(figures))
         });
-        (diagonal, known(figures))
-    });
-    let together = json!({
-        "range_over_all_um": all.range_over_all_um,
-        "scale_sum_um_mm": scale_sum_um_mm(volume, end_um),
-        "e_d_um": all.e_d_um,
-        "b_d_um": all.b_d_um,
-        "label": all.label,
-    });
-    flat([together, json!(Named::from_iter(each))])
+        AllDiagonals {
+            range_over_all_um: all.range_over_all_um,
+            scale_sum_um_mm: scale_sum_um_mm(volume, end_um),
+            e_d_um: all.e_d_um,
+            b_d_um: all.b_d_um,
+            label: &all.label,
+            each: each.collect(),
+        }
+    }
 }
 
-/// The reversal of an axis at both ends.
-fn ends(turn: &Turn, axis: Axis) -> Value {
-    let ([low, high], probability) = (turn.ends[axis], turn.constancy[axis].map(picometres));
-    json!({ "low": low, "high": high, "constancy_probability": probability })
+impl Ends {
+    fn of(turn: &Turn, axis: Axis) -> Ends {
+        let [low, high] = turn.ends[axis];
+        Ends { low, high, constancy_probability: turn.constancy[axis].map(picometres) }
+    }
 }

@@ -8,14 +8,13 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
 use crate::kit::Inputs;
-use crate::kit::manifest::without;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::{Direction, ErrorTerm, Figure, Plane};
 use crate::text::{Finding, Named, Severity, joined, of_severity};
 use crate::write::compensation::Placement;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::fmt::Display;
 
 /// The nine errors of a job as found, as forecast with the tables that are loaded, as left.
@@ -263,6 +262,17 @@ pub(super) fn notes(notes: impl IntoIterator<Item = impl Display>) -> Vec<String
     notes.into_iter().map(|note| format!("note: {note}")).collect()
 }
 
+/// What documents say of a plane.
+#[derive(Serialize)]
+pub(super) struct PlaneFigures {
+    pub(super) before_um_per_m: f64,
+    /// Only where there are tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) after_um_per_m: Option<Option<f64>>,
+    /// U of the last of them.
+    pub(super) expanded_um_per_m: Option<f64>,
+}
+
 /// A machine as it was measured, and what it was measured with where that is known.
 pub(super) type Measured<'a> = (&'a ErrorModel, Option<&'a ErrorSource>);
 
@@ -270,18 +280,16 @@ pub(super) type Measured<'a> = (&'a ErrorModel, Option<&'a ErrorSource>);
 pub(super) fn planes(
     found: Measured<'_>,
     left: Option<Option<Measured<'_>>>,
-) -> Named<&'static str, Value> {
+) -> Named<&'static str, PlaneFigures> {
     let planes = Plane::ALL.into_iter().filter_map(|plane| {
         let before = squareness(found, plane)?;
         let after = left.flatten().and_then(|left| squareness(left, plane));
-        let figures = json!({
-            "before_um_per_m": before.0,
-            "after_um_per_m": after.map(|(um_per_m, _)| um_per_m),
-            "expanded_um_per_m": after.unwrap_or(before).1, // U of the last of them
-        });
-        // That of tables only where there are any.
-        let is_absent = |key: &str| key == "after_um_per_m" && left.is_none();
-        Some((plane.key(), without(figures, |key, _| is_absent(key))))
+        let figures = PlaneFigures {
+            before_um_per_m: before.0,
+            after_um_per_m: left.map(|_| after.map(|(um_per_m, _)| um_per_m)),
+            expanded_um_per_m: after.unwrap_or(before).1,
+        };
+        Some((plane.key(), figures))
     });
     planes.collect()
 }

@@ -8,7 +8,6 @@ use crate::inputs::error_table;
 use crate::inputs::import::stated::number;
 use crate::inputs::job::UseOf;
 use crate::kit::findings::InRehearsal;
-use crate::kit::manifest::{flat, without};
 use crate::kit::simulate::{
     Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, SimulationSource, Wishes, readings,
     rehearsed, single_axes, write,
@@ -20,7 +19,7 @@ use crate::visit::files::{Files, file_name};
 use crate::visit::inputs::{self, read_directory};
 use crate::visit::job_files::Given;
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use std::path::PathBuf;
 
 // Options of `simulate`.
@@ -85,26 +84,47 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         }
     };
     let simulation = simulation.as_ref();
-    let document = || {
-        let document = json!({
-            "schema": 1,
-            "simulated": true,
-            "kind": rehearsal.map_or("single-axis", kind_word),
-            "steps": rehearsal.map(|of| of.measurement.volume.steps),
-            "runs": runs,
-            "both_directions": rehearsal.map(|of| of.both_directions),
-            "overrun": rehearsal.and_then(|of| of.both_directions.then_some(of.overrun)),
-        });
-        let document = without(document, |key, _| {
-            rehearsal.is_none() && matches!(key, "steps" | "both_directions" | "overrun")
-        });
-        let held =
-            positions.map_or(json!(simulation), |positions| json!({ "positions": positions }));
-        flat([document, json!(noise), json!(origin), held, json!({ "notes": origin.notes })])
+    let document = || Document {
+        schema: 1,
+        simulated: true,
+        kind: rehearsal.map_or("single-axis", kind_word),
+        steps: rehearsal.map(|of| of.measurement.volume.steps),
+        runs,
+        both_directions: rehearsal.map(|of| of.both_directions),
+        overrun: rehearsal.map(|of| of.both_directions.then_some(of.overrun)),
+        noise,
+        origin: &origin,
+        positions,
+        simulation,
+        notes: &origin.notes,
     };
     let figures = simulation.map_or_else(String::new, figures);
     let screen = || screen(&inputs, &origin, &what, figures);
     options.output.deliver(files, Some(held(text)), screen, document, &format!(" ({SIMULATED})"))
+}
+
+/// What scripts read: of diagonals, or of an error table.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    simulated: bool,
+    kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<usize>,
+    runs: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    both_directions: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    overrun: Option<Option<bool>>,
+    #[serde(flatten)]
+    noise: Noise,
+    #[serde(flatten)]
+    origin: &'a SimulationSource,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    positions: Option<usize>,
+    #[serde(flatten)]
+    simulation: Option<&'a Simulation>,
+    notes: &'a [Finding],
 }
 
 /// The tables that are active, and where they come from.

@@ -3,15 +3,15 @@
 
 use crate::cli::outcome::{Outcome, Shows};
 use crate::cli::screen::{Screen, list, table};
-use crate::cli::show::{self, planes, um};
+use crate::cli::show::{self, PlaneFigures, planes, um};
 use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
 use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
-use crate::judge::causes::Cause;
+use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::OfTerm;
 use crate::judge::forecast::{Change, DiagonalForecast, Forecast, Grounds};
-use crate::kit::manifest::without;
+use crate::kit::manifest::HashedFile;
 use crate::kit::visit_plan::{Judged, WhatDecides};
 use crate::kit::{Inputs, SecondLook, Verification, remarks, second_look};
 use crate::machine::model::ErrorModel;
@@ -21,7 +21,7 @@ use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, read_directory};
 use crate::visit::second::{self, Second};
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 // Options of `verify`.
@@ -53,6 +53,46 @@ pub(super) struct Page<'a> {
     pub(super) verification: Verification<'a>,
     second: Option<(Second, SecondLook)>,
     pub(super) decides: Option<WhatDecides>,
+}
+
+/// What scripts read.
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    schema: u32,
+    verdict: &'static str,
+    scope: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    after: Option<&'a [HashedFile]>,
+    terms: Named<String, Figures<'a>>,
+    max_residual_um: Option<f64>,
+    max_residual_expanded_um: Option<f64>,
+    max_residual_at_most_um: Option<f64>,
+    diagonals: Option<Named<String, Figures<'a>>>,
+    squareness: Named<&'static str, PlaneFigures>,
+    causes: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnosis: Option<Option<&'a Diagnosis>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    what_decides: Option<&'a WhatDecides>,
+    assumptions: &'a [Assumption],
+    notes: Vec<Finding>,
+}
+
+/// A figure as measured and as forecast, or by both measurements.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Figures<'a> {
+    Forecast {
+        before_um: f64,
+        forecast_um: f64,
+        u_um: Option<f64>,
+        expanded_um: Option<f64>,
+        at_most_um: Option<f64>,
+        /// Of terms alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        max_residual_um: Option<f64>,
+    },
+    Compared(&'a ComparedLine),
 }
 
 fn read_from(directory: &str) -> String {
@@ -197,7 +237,7 @@ impl Page<'_> {
         grounds
     }
 
-    fn squareness(&self) -> Named<&'static str, Value> {
+    fn squareness(&self) -> Named<&'static str, PlaneFigures> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());
         let left = self.as_left().map(|model| (model, errors));
@@ -277,59 +317,55 @@ impl Page<'_> {
         Some(date.map_or_else(String::new, |(_, date)| format!(" of {date}")))
     }
 
-    /// What scripts read.
-    pub(super) fn document(&self) -> Value {
-        let (verification, compiled) =
-            (&self.verification, &self.verification.loaded.asked.compiled);
-        let (forecast, grounds) = (verification.forecast.as_ref(), self.grounds());
-        let scope = self.rehearsal().into_iter().chain(show::scope(&self.inputs.job, &grounds));
-        let said = |found: &Finding| found.to_string();
-        let causes = verification.disagreements();
-        let causes = causes.iter().map(said).chain(grounds.misses.iter().map(ToString::to_string));
-        let causes = causes.chain(self.doubts().iter().map(said));
-        let notes = [verification.notes(), compiled.notes.clone()].concat();
-        let (after, terms, diagonals, max_um, notes) = match &self.second {
-            None => {
-                let terms = forecast.iter().flat_map(|of| &of.terms);
-                let terms = terms.map(|of| (of.term.to_string(), figures(&of.change, true)));
-                let diagonal =
-                    |of: &DiagonalForecast| (of.diagonal.to_string(), figures(&of.change, false));
-                let diagonals = forecast.map(|of| of.diagonals.iter().map(diagonal).collect());
-                let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
-                let max_um = forecast.map(Forecast::max_residual_um);
-                (None, terms.collect(), diagonals, max_um, [notes, worsened].concat())
-            }
-            Some((second, SecondLook { comparison, .. })) => {
-                let own = of_severity(&comparison.findings, Severity::Note);
-                let max_um = comparison.terms.iter().filter_map(|line| line.after_um);
-                let (terms, diagonals) =
-                    (compared(&comparison.terms), compared(&comparison.diagonals));
-                let notes = [&own[..], &second.notes, &notes].concat();
-                (Some(&second.hashes), terms, Some(diagonals), max_um.reduce(f64::max), notes)
-            }
+    pub(super) fn document(&self) -> Document<'_> {
+        let compiled = &self.verification.loaded.asked.compiled;
+        let forecast = self.verification.forecast.as_ref();
+        let grounds = self.grounds();
+        let stated = self.verification.disagreements();
+        let causes = stated.iter().map(ToString::to_string);
+        let causes = causes.chain(grounds.misses.iter().map(ToString::to_string));
+        let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
+        let scope = self.rehearsal().into_iter();
+        let scope = scope.chain(show::scope(&self.inputs.job, &grounds));
+        let terms = forecast.iter().flat_map(|of| &of.terms);
+        let terms = terms.map(|of| (of.term.to_string(), Figures::forecast(&of.change, true)));
+        let diagonal =
+            |of: &DiagonalForecast| (of.diagonal.to_string(), Figures::forecast(&of.change, false));
+        let page = Document {
+            schema: 1,
+            verdict: self.verdict().word(),
+            scope: scope.chain(self.always()).collect(),
+            after: None,
+            terms: terms.collect(),
+            max_residual_um: forecast.map(Forecast::max_residual_um),
+            max_residual_expanded_um: self.judged().and_then(Forecast::max_expanded_um),
+            max_residual_at_most_um: self.judged().and_then(Forecast::all_at_most_um),
+            diagonals: forecast.map(|of| of.diagonals.iter().map(diagonal).collect()),
+            squareness: self.squareness(),
+            causes: causes.collect(),
+            diagnosis: None,
+            what_decides: self.decides.as_ref(),
+            assumptions: &compiled.assumptions,
+            notes: [self.verification.notes(), compiled.notes.clone()].concat(),
         };
-        let look = self.look();
-        let document = json!({
-            "schema": 1,
-            "verdict": self.verdict(),
-            "scope": scope.chain(self.always()).collect::<Vec<_>>(),
-            "after": after,
-            "terms": terms,
-            "max_residual_um": max_um,
-            "max_residual_expanded_um": self.judged().and_then(Forecast::max_expanded_um),
-            "max_residual_at_most_um": self.judged().and_then(Forecast::all_at_most_um),
-            "diagonals": diagonals,
-            "squareness": self.squareness(),
-            "causes": causes.chain(look.into_iter().flat_map(explanation)).collect::<Vec<_>>(),
-            "diagnosis": look.map(|look| &look.diagnosis),
-            "what_decides": self.decides,
-            "assumptions": compiled.assumptions,
-            "notes": notes,
-        });
-        without(document, |key, _| match key {
-            "after" | "diagnosis" => look.is_none(),
-            key => key == "what_decides" && self.decides.is_none(),
-        })
+        let Some((second, look)) = &self.second else {
+            let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
+            let notes = [page.notes, worsened].concat();
+            return Document { notes, ..page };
+        };
+        let comparison = &look.comparison;
+        let own = of_severity(&comparison.findings, Severity::Note);
+        let after = comparison.terms.iter().filter_map(|line| line.after_um);
+        Document {
+            after: Some(&second.hashes),
+            terms: Figures::compared(&comparison.terms),
+            max_residual_um: after.reduce(f64::max),
+            diagonals: Some(Figures::compared(&comparison.diagonals)),
+            causes: [page.causes, explanation(look)].concat(),
+            diagnosis: Some(look.diagnosis.as_ref()),
+            notes: [&own[..], &second.notes, &page.notes].concat(),
+            ..page
+        }
     }
 }
 
@@ -379,19 +415,22 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     lines
 }
 
-/// A figure as measured and as forecast.
-fn figures(of: &Change, is_term: bool) -> Value {
-    let mut figures = json!({ "before_um": of.before_um, "forecast_um": of.after_um,
-        "u_um": of.u_um, "expanded_um": of.expanded_um, "at_most_um": of.at_most_um });
-    if is_term {
-        figures["max_residual_um"] = json!(of.after_um);
+impl Figures<'_> {
+    /// As measured and as forecast.
+    fn forecast(of: &Change, is_term: bool) -> Figures<'static> {
+        Figures::Forecast {
+            before_um: of.before_um,
+            forecast_um: of.after_um,
+            u_um: of.u_um,
+            expanded_um: of.expanded_um,
+            at_most_um: of.at_most_um,
+            max_residual_um: is_term.then_some(of.after_um),
+        }
     }
-    figures
-}
 
-/// The same of both measurements.
-fn compared(lines: &[ComparedLine]) -> Named<String, Value> {
-    lines.iter().map(|line| (line.name.clone(), json!(line))).collect()
+    fn compared(lines: &[ComparedLine]) -> Named<String, Figures<'_>> {
+        lines.iter().map(|line| (line.name.clone(), Figures::Compared(line))).collect()
+    }
 }
 
 fn lines(comparison: &Comparison) -> String {

@@ -92,6 +92,9 @@ words! {
 }
 
 impl Spacing {
+    /// All of them.
+    pub const ALL: [Spacing; 3] = [Spacing::AsAsked, Spacing::Half, Spacing::Twice];
+
     /// What a job asks for in its place; of a residual half or twice as much.
     fn of(self, asked: GridRequest) -> GridRequest {
         let times = match self {
@@ -136,8 +139,7 @@ pub fn compare(inputs: &Inputs) -> Vec<Compared> {
     let one = one.into_iter().filter(|policies| !all.contains(policies));
     let one: Vec<(Policies, Spacing)> = one.map(|own| (own, Spacing::AsAsked)).collect();
     let policies = std::iter::once(own).chain(all);
-    let pairs = policies
-        .flat_map(|policies| Spacing::WORDS.iter().map(move |(_, spacing)| (policies, *spacing)));
+    let pairs = policies.flat_map(|policies| Spacing::ALL.map(|spacing| (policies, spacing)));
     let compared = |(backlash, spacing): (Policies, Spacing)| {
         let made = Alternative::of(inputs, |asked| {
             asked.backlash = backlash;

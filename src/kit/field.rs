@@ -30,12 +30,12 @@ use crate::write::compensation::{Compiled, displayed, uses};
 use crate::write::emit::{self, Emitted, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
-use proofs::{Proofs, Shown};
-use serde_json::Value;
+use proofs::Proofs;
+pub(super) use proofs::Shown;
 
 /// Adds the field kit to a kit, and to its notes the mechanisms without a sign proof and a rollback that is not whole;
 /// refused unless every file reads back to what was meant. What each sign proof has to show is for the manifest.
-pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Value>, Problems> {
+pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Shown>, Problems> {
     let Proofs { shown, files, missing } = Proofs::of(made)?;
     let mut rollback = rollback(made)?;
     let note = rollback.note();
@@ -46,7 +46,7 @@ pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Value>, Problems> {
         made.files.extend(checklist(made, &shown, &rollback)?);
     }
     made.compiled.notes.extend(missing.into_iter().chain(note.map(Finding::from)));
-    Ok(shown.iter().map(Shown::document).collect())
+    Ok(shown)
 }
 
 /// The steps at the machine, as pages.

@@ -64,21 +64,23 @@ impl<'a> Loaded<'a> {
         files: &[KitFile],
         named: Option<&Value>,
     ) -> Result<Loaded<'a>, Problems> {
-        Loaded::files(asked, files, |asked| loaded_state(asked, named))
+        let outside = loaded_state(&asked, named);
+        Loaded::files(asked, files, outside)
     }
 
     /// The files that were made for the job, in the control that it describes.
     pub(super) fn own(asked: Asked<'a>, files: &[KitFile]) -> Result<Loaded<'a>, Problems> {
-        Loaded::files(asked, files, |asked| (asked.compiled.state.clone(), Vec::new()))
+        let outside = (asked.compiled.state.clone(), Vec::new());
+        Loaded::files(asked, files, outside)
     }
 
     /// The files of a kit, with the control outside them.
     fn files(
         asked: Asked<'a>,
         files: &[KitFile],
-        outside: impl FnOnce(&Asked<'_>) -> Outside,
+        (state, of_state): Outside,
     ) -> Result<Loaded<'a>, Problems> {
-        let (profile, (state, of_state)) = (&asked.inputs.profile, outside(&asked));
+        let profile = &asked.inputs.profile;
         let read = read(profile, files)?;
         let (mut findings, found) = differences(&asked, &read);
         findings.extend(of_state);

@@ -3,18 +3,21 @@
 //! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
 
 use crate::control::claims::{Assumption, Precondition};
-use crate::control::control_state::{AxisState, ControlState};
+use crate::control::control_state::ControlState;
+use crate::control::controller::ControlUnit;
 use crate::judge::active::{ActiveControl, Origin};
-use crate::judge::forecast::Forecast;
+use crate::judge::forecast::{Change, Forecast};
+use crate::kit::field::Shown;
 pub use crate::kit::inputs::{HashedFile, hashed};
 use crate::kit::visit_plan::WhatDecides;
-use crate::quantity::picometres;
+use crate::quantity::{Direction, ErrorTerm, Millimetres, picometres};
 use crate::text::{Finding, Named, Problem, plain, refuse_large_page, sha256};
 use crate::write::compensation::Placement;
 use crate::write::target::Omission;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
@@ -73,40 +76,38 @@ pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     })
 }
 
-/// A document without some of its fields.
-pub(crate) fn without(mut document: Value, is_absent: impl Fn(&str, &Value) -> bool) -> Value {
-    let fields = document.as_object_mut();
-    fields.into_iter().for_each(|of| of.retain(|key, value| !is_absent(key, value)));
-    document
+/// The tables that a kit follows: a link of the chain that `nonius history` prints.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Predecessor {
+    /// Path, as the job named it.
+    pub path: String,
+    /// SHA-256 of the manifest of a kit; `null` of files that were read out of the control.
+    pub manifest_sha256: Option<String>,
+    /// The program that made the kit; `null` of a read-out.
+    pub tool: Option<String>,
+    /// Id of the profile it was read with.
+    pub controller: String,
+    /// The control's files that were read.
+    pub files: Vec<HashedFile>,
 }
 
-/// A document without what is not known.
-pub(crate) fn known(document: Value) -> Value {
-    without(document, |_, value| value.is_null())
-}
-
-/// The fields of several documents, one after the other.
-pub(crate) fn flat<const N: usize>(documents: [Value; N]) -> Value {
-    let fields = documents.into_iter().map(|of| of.as_object().cloned().unwrap_or_default());
-    Value::Object(fields.flatten().collect())
-}
-
-/// The link to the tables that were active while measuring, which `nonius history` follows; `None` where none were. A kit
-/// is known by its manifest, files that were read out of the control by their hashes.
-pub(super) fn predecessor(active: &ActiveControl, controller: &str) -> Option<Value> {
-    let (manifest_sha256, tool) = match &active.origin {
-        Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool)),
-        Origin::ReadOut(_) => (None, None),
-        Origin::NoTables => return None,
-    };
-    let files = active.files.iter().map(|(name, bytes)| hashed(name, bytes));
-    Some(json!({
-        "path": active.path,
-        "manifest_sha256": manifest_sha256,
-        "tool": tool,
-        "controller": controller,
-        "files": files.collect::<Vec<_>>(),
-    }))
+impl Predecessor {
+    /// The link to the tables that were active while measuring; `None` where none were.
+    pub fn of(active: &ActiveControl, controller: &str) -> Option<Predecessor> {
+        let (manifest_sha256, tool) = match &active.origin {
+            Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
+            Origin::ReadOut(_) => (None, None),
+            Origin::NoTables => return None,
+        };
+        let files = active.files.iter();
+        Some(Predecessor {
+            path: active.path.clone(),
+            manifest_sha256,
+            tool,
+            controller: controller.to_string(),
+            files: files.map(|(name, bytes)| hashed(name, bytes)).collect(),
+        })
+    }
 }
 
 /// The manifest of a kit.
@@ -122,7 +123,7 @@ pub struct Manifest {
     pub inputs: Vec<HashedFile>,
     /// The tables that were active while measuring and that this kit replaces.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub predecessor: Option<Value>,
+    pub predecessor: Option<Predecessor>,
     /// What was written.
     pub files: Vec<HashedFile>,
     /// What is assumed.
@@ -132,16 +133,16 @@ pub struct Manifest {
     /// Terms without a table.
     pub omitted: Vec<Omission>,
     /// What the tables will leave, computed from the bytes of the files.
-    pub forecast: Value,
+    pub forecast: ForecastFigures,
     /// Where each term went.
     pub tables: Vec<Placement>,
     /// The state of the control outside the files that the tables are made for.
-    pub state: Value,
+    pub state: State,
     /// Machine and protocol, as stated in the job.
-    pub machine: Value,
+    pub machine: Machine,
     /// What each sign proof has to show, computed from the bytes of its file; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub sign_proofs: Vec<Value>,
+    pub sign_proofs: Vec<Shown>,
     /// What keeps a limit from being decided, and what would decide it; absent where it passes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub what_decides: Option<WhatDecides>,
@@ -152,37 +153,78 @@ pub struct Manifest {
     pub notes: Vec<Finding>,
 }
 
-/// The state of the control, which an update compares with its job; a backlash parameter where the kit knows it.
-pub(super) fn state(of: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> Value {
-    let axis = |axis: &AxisState| {
-        json!({
-            "name": axis.name,
-            "reference_mm": axis.reference,
-            "reference_direction": axis.reference_direction,
-            "detection_unit_um": axis.detection_unit_um,
-            "backlash_um": backlash_um(&axis.name),
-            "bidirectional": axis.bidirectional,
-            "interpolated": axis.interpolated,
-        })
-    };
-    json!({ "unit": of.unit, "axes": of.axes.iter().map(axis).collect::<Vec<_>>() })
+/// The state of the control: what an update compares with its job.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct State {
+    unit: ControlUnit,
+    axes: Vec<AxisOfState>,
 }
 
-/// The figures of a forecast; stretches of tables that nobody measured.
-pub(super) fn figures(forecast: &Forecast) -> Value {
-    let unmeasured = forecast.unmeasured.iter().filter(|(_, found)| !found.is_empty());
-    let diagonals = forecast.diagonals.iter().map(|of| (of.diagonal.name(), of.change));
-    let diagonals = (!forecast.diagonals.is_empty()).then(|| Named::from_iter(diagonals));
-    let document = json!({
-        "max_residual_um": forecast.max_residual_um(),
-        "max_residual_expanded_um": forecast.max_expanded_um(),
-        "max_residual_at_most_um": forecast.all_at_most_um(),
-        "terms": Named::from_iter(forecast.terms.iter().map(|of| (of.term, of.change))),
-        "unmeasured_mm": Named::from_iter(unmeasured.map(|(axis, found)| (axis.key(), found))),
-        "diagonals": diagonals,
-        "without_reversal_um": forecast.without_reversal_um,
-    });
-    without(document, |key, value| {
-        value.is_null() && matches!(key, "diagonals" | "without_reversal_um")
-    })
+/// An axis of it; its backlash parameter where the kit knows it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct AxisOfState {
+    name: String,
+    reference_mm: Millimetres,
+    reference_direction: Direction,
+    detection_unit_um: Option<f64>,
+    backlash_um: Option<f64>,
+    bidirectional: bool,
+    interpolated: bool,
+}
+
+impl State {
+    /// Of a control; `backlash_um` gives the backlash parameter of an axis.
+    pub fn of(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> State {
+        let axes = state.axes.iter().map(|axis| AxisOfState {
+            name: axis.name.clone(),
+            reference_mm: axis.reference,
+            reference_direction: axis.reference_direction,
+            detection_unit_um: axis.detection_unit_um,
+            backlash_um: backlash_um(&axis.name),
+            bidirectional: axis.bidirectional,
+            interpolated: axis.interpolated,
+        });
+        State { unit: state.unit, axes: axes.collect() }
+    }
+}
+
+/// The machine, and who measured it when and how.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Machine {
+    pub(super) name: String,
+    pub(super) serial: Option<String>,
+    pub(super) chain: Option<String>,
+    pub(super) measured: Option<String>,
+    pub(super) protocol: BTreeMap<String, String>,
+}
+
+/// A forecast with the keys of the manifest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForecastFigures {
+    max_residual_um: f64,
+    max_residual_expanded_um: Option<f64>,
+    max_residual_at_most_um: Option<f64>,
+    terms: Named<ErrorTerm, Change>,
+    /// Stretches of tables that nobody measured.
+    unmeasured_mm: Named<&'static str, Vec<(Millimetres, Millimetres)>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagonals: Option<Named<&'static str, Change>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    without_reversal_um: Option<f64>,
+}
+
+impl From<&Forecast> for ForecastFigures {
+    fn from(forecast: &Forecast) -> ForecastFigures {
+        let unmeasured = forecast.unmeasured.iter().filter(|(_, found)| !found.is_empty());
+        let diagonals = forecast.diagonals.iter().map(|of| (of.diagonal.name(), of.change));
+        ForecastFigures {
+            max_residual_um: forecast.max_residual_um(),
+            max_residual_expanded_um: forecast.max_expanded_um(),
+            max_residual_at_most_um: forecast.all_at_most_um(),
+            terms: forecast.terms.iter().map(|of| (of.term, of.change)).collect(),
+            unmeasured_mm: unmeasured.map(|(axis, found)| (axis.key(), found.clone())).collect(),
+            diagonals: (!forecast.diagonals.is_empty()).then(|| diagonals.collect()),
+            without_reversal_um: forecast.without_reversal_um,
+        }
+    }
 }

@@ -142,17 +142,23 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
     for words in wrong {
         problems.push(Problem::new(words).help("nothing was written"));
     }
-    let (facts, bounds) = (task.facts, bounds(task));
-    let words = OwnWords { letters: &facts.axis_letters.value, seconds: facts.dwell_address() };
-    let walk_file = |file: &ProgramFile, rows: &[Position]| {
-        let steps = read(facts.language, &words, &file.path, &file.bytes)?;
-        walk((&file.path, &String::from_utf8_lossy(&file.bytes)), &steps, rows, &bounds)
-    };
+    let bounds = bounds(task);
     let mut walked = Vec::new();
     for (file, rows) in programs.into_iter().zip(set_ups) {
-        walked.extend(problems.take(walk_file(file, rows)));
+        walked.extend(problems.take(walk_file(task.facts, file, rows, &bounds)));
     }
     problems.or_ok(walked)
+}
+
+fn walk_file(
+    facts: &ProgramFacts,
+    file: &ProgramFile,
+    rows: &[Position],
+    bounds: &Bounds,
+) -> Result<Walked, Problems> {
+    let words = OwnWords { letters: &facts.axis_letters.value, seconds: facts.dwell_address() };
+    let steps = read(facts.language, &words, &file.path, &file.bytes)?;
+    walk((&file.path, &String::from_utf8_lossy(&file.bytes)), &steps, rows, bounds)
 }
 
 fn bounds(task: RunTask<'_>) -> Bounds {

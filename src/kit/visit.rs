@@ -18,6 +18,7 @@ use crate::quantity::pitch::{self, DIGIT_MM};
 use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis};
 use crate::text::{Problem, Problems, joined};
 use crate::write::emit::{TOOL, filled};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -150,10 +151,10 @@ impl Visit<'_> {
             let help = "add them as `[[job]]` (docs/own-control.md section 3), or build it on a built-in one with `based_on`";
             return Err(Problem::new(words).help(help).into());
         }
-        let axes = Axis::ALL.map(|axis| {
-            let of = |section| self.lines(section, Some(axis));
-            json!({ "name": axis.key(), "machine": of(JobSection::MachineAxes),
-                "compensation": of(JobSection::CompensationAxes) })
+        let axes = Axis::ALL.map(|axis| OfAxis {
+            name: axis.key(),
+            machine: self.lines(JobSection::MachineAxes, Some(axis)),
+            compensation: self.lines(JobSection::CompensationAxes, Some(axis)),
         });
         let [start, size] = if self.readings { self.box_of_run()? } else { Default::default() };
         let context = json!({
@@ -247,6 +248,14 @@ impl Visit<'_> {
         }
         text
     }
+}
+
+/// The lines of a job that an axis has of its own.
+#[derive(Serialize)]
+struct OfAxis {
+    name: &'static str,
+    machine: Vec<String>,
+    compensation: Vec<String>,
 }
 
 /// An error table without values: rows for the positions of each axis, mm, in each way.

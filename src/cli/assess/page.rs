@@ -1,7 +1,7 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
 //! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
-use crate::cli::show::planes;
+use crate::cli::show::{PlaneFigures, planes};
 use crate::inputs::error_table::Remarks;
 use crate::inputs::job::{ActiveTables, Frame, Job};
 use crate::judge::after::alone;
@@ -17,7 +17,6 @@ use crate::volume::assessment::{Assessment, Grid, GridChoice, Request, assess};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
 use serde::Serialize;
-use serde_json::{Value, json};
 
 /// What is printed; the document for scripts is the same (contract §5).
 #[derive(Serialize)]
@@ -35,9 +34,9 @@ pub(in crate::cli) struct Page {
     pub(super) basis: Basis,
     /// How many of the 21 are known.
     pub(super) errors_measured: usize,
-    /// What the measurement says by itself.
-    terms: Named<ErrorTerm, Value>,
-    squareness: Named<&'static str, Value>,
+    /// As it was measured.
+    #[serde(flatten)]
+    found: Found,
     /// As it is.
     #[serde(flatten)]
     pub(in crate::cli) before: Assessment,
@@ -68,19 +67,12 @@ impl Page {
             let figures = assess(&corrected.volume, &nodes, request)?;
             Ok::<_, Problem>(corrected.with(figures))
         });
-        let terms = alone(inputs.as_measured(), &inputs.job).terms.into_iter().map(|found| {
-            let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
-            let figures = json!({ "before_um": before_um, "u_um": u_um,
-                "expanded_um": expanded_um, "at_most_um": at_most_um });
-            (found.term, figures)
-        });
         Ok(Page {
             schema: 1,
             name: inputs.job.machine.name.clone(),
             grid,
             errors_measured: volume.known_errors(),
-            terms: terms.collect(),
-            squareness: planes((inputs.as_measured(), Some(&inputs.errors)), None),
+            found: Found::of(inputs),
             before: assess(&volume, &nodes, request)?,
             missing: volume.missing(),
             volume,
@@ -254,4 +246,31 @@ fn outside(job: &Job) -> Option<VolumeFinding> {
     };
     let places: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
     (!places.is_empty()).then_some(VolumeFinding::OutOfReach { places })
+}
+
+/// What the measurement says by itself.
+#[derive(Serialize)]
+struct Found {
+    terms: Named<ErrorTerm, Largest>,
+    squareness: Named<&'static str, PlaneFigures>,
+}
+
+/// Of a term.
+#[derive(Serialize)]
+struct Largest {
+    before_um: f64,
+    u_um: Option<f64>,
+    expanded_um: Option<f64>,
+    at_most_um: Option<f64>,
+}
+
+impl Found {
+    fn of(inputs: &Inputs) -> Found {
+        let model = inputs.as_measured();
+        let terms = alone(model, &inputs.job).terms.into_iter().map(|found| {
+            let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
+            (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
+        });
+        Found { terms: terms.collect(), squareness: planes((model, Some(&inputs.errors)), None) }
+    }
 }

@@ -5,7 +5,6 @@ use crate::cli::outcome::Output;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::kit::Inputs;
-use crate::kit::manifest::flat;
 use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
 use crate::text::{Problem, Problems, Severity, counted, of_severity};
@@ -16,7 +15,6 @@ use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Sample, Summa
 use crate::volume::volume_model::VolumeModel;
 use part_program::Ran;
 use serde::Serialize;
-use serde_json::{Value, json};
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
@@ -109,24 +107,42 @@ impl Page {
             ..Screen::of(verdict.join("\n").trim_end().to_string())
         }
     }
+}
 
-    /// What scripts read.
-    pub(super) fn document(&self) -> Value {
-        let notes = [remarks(self), doubts(self), vec![how(self)]].concat();
-        let document = json!({
-            "schema": 1,
-            "machine": self.inputs.job.machine.name,
-            "program": self.program,
-            "blocks": self.ran.blocks,
-            "holes": self.ran.holes,
-            "worst_holes": self.holes.worst,
-            "outside": outside_sentences(self),
-            "missing": missing(self),
-            "warnings": warnings(self),
-            "notes": notes,
-            "after": self.after,
-        });
-        flat([document, json!(self.before)])
+/// What scripts read.
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    schema: u32,
+    machine: &'a str,
+    program: &'a str,
+    blocks: u64,
+    holes: u64,
+    worst_holes: &'a [Hole],
+    outside: Vec<String>,
+    missing: Vec<String>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+    after: Option<&'a Corrected<Summary>>,
+    #[serde(flatten)]
+    before: &'a Summary,
+}
+
+impl Page {
+    pub(super) fn document(&self) -> Document<'_> {
+        Document {
+            schema: 1,
+            machine: &self.inputs.job.machine.name,
+            program: &self.program,
+            blocks: self.ran.blocks,
+            holes: self.ran.holes,
+            worst_holes: &self.holes.worst,
+            outside: outside_sentences(self),
+            missing: missing(self),
+            warnings: warnings(self),
+            notes: [remarks(self), doubts(self), vec![how(self)]].concat(),
+            after: self.after.as_ref(),
+            before: &self.before,
+        }
     }
 }
 

@@ -5,7 +5,6 @@ use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
 use crate::inputs::target_runs::Runs;
-use crate::kit::manifest::flat;
 use crate::machine::findings::StandardFinding;
 use crate::machine::separation::Separation;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -19,7 +18,6 @@ use crate::text::{Finding, Named, Problem, Problems, Source, joined};
 use crate::visit::files::Files;
 use crate::visit::job_files::read_campaign;
 use serde::Serialize;
-use serde_json::{Value, json};
 use std::path::Path;
 
 /// What the standards say about the runs of an axis, as documents have it.
@@ -306,11 +304,23 @@ fn notes(dropped: bool) -> Vec<Finding> {
     std::iter::once(StandardFinding::UpIsForward).chain(dropped).map(Finding::from).collect()
 }
 
-/// What the standards say about the body diagonals.
+/// What the standards say about the body diagonals, as documents have it.
+#[derive(Serialize)]
 pub(in crate::cli) struct DiagonalPage {
+    schema: u32,
+    iso_230_6: Iso2306,
+    #[serde(skip)]
     name: String,
     /// Key of what stands at the lower edge of the picture.
+    #[serde(skip)]
     across: &'static str,
+}
+
+/// By ISO 230-6.
+#[derive(Serialize)]
+struct Iso2306 {
+    confidence: &'static str,
+    #[serde(flatten)]
     figures: Diagonals,
     notes: Vec<Finding>,
 }
@@ -322,29 +332,23 @@ impl DiagonalPage {
         figures: Diagonals,
         notes: Vec<Finding>,
     ) -> DiagonalPage {
-        DiagonalPage { name: name.to_string(), across, figures, notes }
-    }
-
-    /// What scripts read.
-    pub(in crate::cli) fn document(&self) -> Value {
-        let (confidence, notes) =
-            (json!({ "confidence": DIAGONALS }), json!({ "notes": self.notes }));
-        json!({ "schema": 1, "iso_230_6": flat([confidence, json!(self.figures), notes]) })
+        let iso_230_6 = Iso2306 { confidence: DIAGONALS, figures, notes };
+        DiagonalPage { schema: 1, iso_230_6, name: name.to_string(), across }
     }
 
     pub(super) fn outcome(&self, files: &dyn Files, shows: &Shows) -> Result<Outcome, Problems> {
         let picture = |locale: Locale<'_>| self.picture(locale, &self.name);
-        shows.outcome(files, || self.screen(), || self.document(), picture)
+        shows.outcome(files, || self.screen(), || self, picture)
     }
 
     pub(in crate::cli) fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {
-        let named = self.figures.diagonals.iter();
+        let named = self.iso_230_6.figures.diagonals.iter();
         let named: Vec<_> = named.map(|(name, of)| (name.clone(), &of.figures)).collect();
         targets(locale, heading, &locale.words(self.across), &named)
     }
 
     fn screen(&self) -> Screen {
-        let DiagonalPage { figures: all, notes, .. } = self;
+        let Iso2306 { figures: all, notes, .. } = &self.iso_230_6;
         let list = &all.conditions.list;
         let runs = all.diagonals.iter();
         let runs =

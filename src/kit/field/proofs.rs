@@ -8,7 +8,7 @@
 use crate::control::checklist::Listed;
 use crate::control::controller::{Evidence, KitFile, Role, Statement};
 use crate::kit::loaded::{KEEP_TO_THE_FORMAT, Made};
-use crate::quantity::{Axis, Direction, Millimetres};
+use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{ReadBack, emulator, load, read_apart};
 use crate::text::{BLANK, Finding, Problem, Problems, joined};
@@ -16,7 +16,7 @@ use crate::write::compensation::trimmed;
 use crate::write::emit::{self, Emitted};
 use crate::write::plan::{Plan, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// The sign proofs of a kit, read back to what was meant.
 pub(super) struct Proofs {
@@ -26,12 +26,20 @@ pub(super) struct Proofs {
     pub(super) missing: Vec<Finding>,
 }
 
-/// A sign proof with what its bytes do.
-pub(in crate::kit) struct Shown {
+/// A sign proof with what its bytes do, as the manifest has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shown {
+    #[serde(skip)]
     proof: SignProof,
     files: Vec<String>,
+    sign: &'static str,
+    term: ErrorTerm,
+    from_mm: Millimetres,
+    peak_mm: Millimetres,
+    to_mm: Millimetres,
     /// How the axis stands at the peak, less how it stands where the bump begins.
     shows_um: f64,
+    other_sign_um: f64,
 }
 
 impl Proofs {
@@ -60,7 +68,10 @@ impl Proofs {
         let shown = written.into_iter().map(|(proof, files)| {
             let shows_um = shown_um(&made.plan, control.as_ref(), &proof)
                 .map_err(|reason| shows_otherwise(&reason.0))?;
-            Ok(Shown { proof, files, shows_um })
+            let (sign, term) = (proof.of.sign_fact, proof.term);
+            let [from_mm, peak_mm, to_mm] = proof.bump.places();
+            let other_sign_um = -shows_um;
+            Ok(Shown { proof, files, sign, term, from_mm, peak_mm, to_mm, shows_um, other_sign_um })
         });
         Ok(Proofs { shown: shown.collect::<Result<_, Problems>>()?, files, missing })
     }
@@ -135,15 +146,7 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
 impl Shown {
     /// Where the bump begins, is highest and ends, mm.
     fn places(&self) -> [String; 3] {
-        self.proof.bump.places().map(|place| trimmed(place.mm(), 6))
-    }
-
-    /// As the manifest has it.
-    pub(in crate::kit) fn document(&self) -> Value {
-        let (proof, [from_mm, peak_mm, to_mm]) = (&self.proof, self.proof.bump.places());
-        json!({ "files": self.files, "sign": proof.of.sign_fact, "term": proof.term,
-            "from_mm": from_mm, "peak_mm": peak_mm, "to_mm": to_mm,
-            "shows_um": self.shows_um, "other_sign_um": -self.shows_um })
+        [self.from_mm, self.peak_mm, self.to_mm].map(|place| trimmed(place.mm(), 6))
     }
 
     /// What is proved, and by which files.
@@ -153,7 +156,7 @@ impl Shown {
     }
 
     fn bump(&self, made: &Made<'_>) -> String {
-        let (term, [from, peak, to]) = (self.proof.term, self.places());
+        let (term, [from, peak, to]) = (self.term, self.places());
         let (heading, along) = (self.heading(), made.axes(term.along));
         match self.proof.bump.is_slope {
             true => format!(
@@ -166,7 +169,7 @@ impl Shown {
     }
 
     fn two_places(&self, made: &Made<'_>) -> String {
-        let (term, [from, peak, _]) = (self.proof.term, self.places());
+        let (term, [from, peak, _]) = (self.term, self.places());
         let (moving, seen) = (made.axes(term.along), made.axes(term.of));
         format!(
             "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
@@ -191,7 +194,7 @@ impl Shown {
 
     /// A gauge that is not moved needs one place where nothing is found anew between off and on.
     fn with_a_gauge(&self, made: &Made<'_>) -> String {
-        let (of, [from, peak, _]) = (self.proof.term.of, self.places());
+        let (of, [from, peak, _]) = (self.term.of, self.places());
         match made.inputs.profile.family.restarts {
         false => format!(
             "a dial gauge that stays where it is needs {peak} mm only: zero with the compensation off, read with it on, coming from {from} mm both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
@@ -204,7 +207,7 @@ impl Shown {
 
     /// What is known of the sign.
     fn known<'a>(&self, made: &'a Made<'_>) -> impl Iterator<Item = &'a Statement> {
-        let sign = self.proof.of.sign_fact;
+        let sign = self.sign;
         made.inputs.profile.statements.iter().filter(move |s| s.fact == sign)
     }
 
@@ -226,7 +229,7 @@ impl Shown {
     fn other_way_round(&self) -> String {
         format!(
             "the other way round, or nothing: take the bump off (switch the compensation off, then \"Rollback\") and load no table. Other sign: turn `{}` in a profile of your own (docs/own-control.md section 4) and generate again; nothing: see the preconditions, options and reference",
-            self.proof.of.sign_fact
+            self.sign
         )
     }
 }
