@@ -173,7 +173,12 @@ fn resumed(place: &Path, questions: &mut Questions) -> Result<(File, bool), Prob
         });
         if !begins {
             let number = questions.read;
-            let words = format!("line {number} of `{}` answers another question", printed(place));
+            let words = match next {
+                Some(_) => {
+                    format!("line {number} of `{}` answers another question", printed(place))
+                }
+                None => format!("`{}` has more answers than there are questions", printed(place)),
+            };
             return Err(Problem::new(words).help("name the file that this run wrote, or a new one"));
         }
         if !line.ends_with(b"\n") {

@@ -33,6 +33,8 @@ words! {
         Movement = "movement",
         /// Bumps, and what has to be seen.
         SignProofs = "sign-proofs",
+        /// A bump as it is typed by hand, and what has to be seen.
+        TypedBump = "typed-bump",
         /// One place of each table, and what the file holds there.
         Display = "display",
         /// Why there is no sign proof of a mechanism or no rollback file, and what the rollback files

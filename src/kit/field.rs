@@ -63,6 +63,13 @@ fn checklist(
         List::Assumptions => assumptions(&made.compiled),
         List::Movement => movement.clone().into(),
         List::SignProofs => proofs::listed(made, shown),
+        List::TypedBump => task
+            .profile
+            .typed()
+            .map(|of| of.value.value.bump())
+            .into_iter()
+            .collect::<Vec<_>>()
+            .into(),
         List::Display => displayed(task, compiled).into(),
         List::NotWritten => rollback.not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),

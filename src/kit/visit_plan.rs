@@ -115,7 +115,7 @@ findings! {
         };
         Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min a diagonal, {linear_min} min a linear axis; no warm-up";
         Optics { circle_mm: f64 } => Label, "optics: flat mirror of {circle_mm:.1} mm and the diameter of the beam; retroreflector for linear axes";
-        AtMost => Label, "at most: the largest of all errors in the forecast, with 95 %, before what the points of the tables leave";
+        AtMost => Label, "at most: the largest of all errors in the forecast, with 95 %, before what the points of the tables leave, and the reversal with one curve for both directions";
         Second => Label, "second passes: share of 400 simulated second measurements, made like the first; the tables then leave the errors of the first and nothing else, and the machine stays as it is; measured angles are taken as known";
         NoU { terms: String } => Note, "U is not known for {terms}: with `setup = \"assume-perfect\"` state `tilt_arcsec`, or solve for the set-up; a beam needs `u_um_per_m`";
         OneDirection => Note, "one direction only: the reversal of every axis is mixed into the curves, and U does not hold it";

@@ -322,14 +322,11 @@ fn a_box_in_inches_stands_on_digits_of_the_control() {
     let visit = Visit::new();
     visit.run("new --controller linuxcnc --travel 32in,20in,-16.5:0in --readings -o v").ends(0);
     let page = visit.read("v/job.toml");
-    let lengths = |key: &str| -> Vec<f64> {
-        let line = page.lines().find_map(|line| line.strip_prefix(key)).unwrap();
-        let numbers = line.split(['=', ',', ' ', '}']).filter_map(|word| word.parse().ok());
-        numbers.take(3).collect()
-    };
     // 17 steps; a digit is 0.0001 in.
     for (key, parts) in [("start_mm = {", 1.0), ("size_mm = {", 17.0)] {
-        for mm in lengths(key) {
+        let line = page.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+        let numbers = line.split(['=', ',', ' ', '}']).filter_map(|word| word.parse::<f64>().ok());
+        for mm in numbers.take(3) {
             let digits = mm / parts / 0.00254;
             assert!((digits - digits.round()).abs() < 1e-3, "{key} {mm}\n{page}");
         }

@@ -140,3 +140,46 @@ fn a_list_in_counts_or_with_decimals_is_held_as_it_stands() {
     let wrong = wrong.replace("2,sum,,20,20", "2,sum,,21,21");
     judged(&visit, &wrong).ends(2).says("the reference point has an increment, expected 0");
 }
+
+#[test]
+fn a_bump_typed_as_the_checklist_says_moves_the_axis_as_it_says() {
+    // Points of Y, whose reference is number 2: what is typed, and where the axis goes at 1 or 3.
+    type Bump = &'static [(usize, i32)];
+    let one: [Bump; 2] = [&[(1, 5)], &[(3, 5)]];
+    for (value, words, bumps, to_um) in [
+        ("deviation", "one deviation of +", one, [-5.0, -5.0]),
+        ("correction", "one correction of +", one, [5.0, 5.0]),
+        ("increment", "next one in +", [&[(1, 5), (2, -5)], &[(3, 5), (4, -5)]], [5.0, 5.0]),
+        ("outward_increment", "outwards +", [&[(1, 5), (0, -5)], &[(3, 5), (4, -5)]], [-5.0, 5.0]),
+    ] {
+        let visit = typed(value, "um", "spacing_mm = 100.0");
+        assert!(visit.read("kit/checklist.md").contains(words), "{value}");
+        let left = |bump: Bump| -> Vec<f64> {
+            let row = |row: &str| {
+                let own = cells(row);
+                let is_own =
+                    |at: usize| own[0] == "EYY" && ["sum", &at.to_string()].contains(&own[6]);
+                let typed: i32 = bump.iter().filter(|of| is_own(of.0)).map(|of| of.1).sum();
+                let is_head = own[0] == "term";
+                if is_head {
+                    row.to_string()
+                } else {
+                    format!("{},{typed},{typed}", own[..8].join(","))
+                }
+            };
+            visit.put(
+                "bump/typed.csv",
+                list(&visit).lines().map(row).collect::<Vec<_>>().join("\n"),
+            );
+            visit.yes("simulate job.toml --errors --tables bump --force -o left.csv");
+            let left = visit.read("left.csv");
+            let rows = left.lines().filter(|row| row.starts_with("y,+,"));
+            rows.map(|row| cells(row)[4].parse().unwrap()).collect()
+        };
+        for (bump, (um, place)) in bumps.into_iter().zip(to_um.into_iter().zip([1, 3])) {
+            let moved = left(bump).into_iter().zip(left(&[])).map(|(with, still)| with - still);
+            let off = |(at, um_at): (usize, f64)| um_at - if at == place { um } else { 0.0 };
+            assert!(moved.enumerate().map(off).all(|off| off.abs() < 1e-6), "{value} {bump:?}");
+        }
+    }
+}

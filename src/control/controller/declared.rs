@@ -402,6 +402,24 @@ impl TypedValue {
         matches!(self, TypedValue::Increment | TypedValue::Outward)
     }
 
+    /// A bump by hand, and which way the axis has to go; nothing else moves.
+    pub(crate) const fn bump(self) -> &'static str {
+        match self {
+            TypedValue::Deviation => {
+                "type one deviation of +: at its point the axis has to move towards −"
+            }
+            TypedValue::Correction => {
+                "type one correction of +: at its point the axis has to move towards +"
+            }
+            TypedValue::Increment => {
+                "type a value of + at one point and as much − at the next one in +: at the first of them the axis has to move towards +, at no other"
+            }
+            TypedValue::Outward => {
+                "type two values side by side, from the reference point outwards + and then as much −: at the first of them the axis has to move, in + of the reference towards +, in − of it towards −, at no other"
+            }
+        }
+    }
+
     /// What it is, for the person who types it.
     pub(crate) const fn words(self) -> &'static str {
         match self {

@@ -12,8 +12,8 @@ use crate::control::controller::files::{Templates, files};
 use crate::control::controller::program::{ProgramFacts, program_facts};
 use crate::control::controller::{
     ControlUnit, DeclaredFacts, Dialect, EmittedFile, Encoding, Fact, Family, FanucFacts, IsgFacts,
-    JobKey, LineEnd, LinuxcncFacts, ProfileSource, SiemensFacts, Statement, declared, fanuc, isg,
-    linuxcnc, siemens,
+    JobKey, LineEnd, LinuxcncFacts, ProfileSource, SiemensFacts, Statement, Typed, declared, fanuc,
+    isg, linuxcnc, siemens,
 };
 use crate::quantity::{Direction, Millimetres};
 use crate::text::{Problems, Section, Source, Word, read_page, refuse_large_page, section, shown};
@@ -162,6 +162,14 @@ impl Profile {
     /// The file of a kit that is called so.
     pub(crate) fn file(&self, name: &str) -> Option<&EmittedFile> {
         self.files.iter().find(|file| file.is_called(name))
+    }
+
+    /// What a person types into the control; `None` = it reads files.
+    pub(crate) fn typed(&self) -> Option<&Typed> {
+        match &self.dialect {
+            Dialect::Declared(facts) => facts.typed.as_ref(),
+            _ => None,
+        }
     }
 
     /// How the characters of the control's files are stored.

@@ -24,8 +24,12 @@ pub(super) fn text(path: &str, bytes: &[u8], sheet: Option<&str>) -> Result<Stri
     };
     refuse_wide(path, &mut book, &name)?;
     let range = book.worksheet_range(&name).map_err(refuse)?;
-    let line = |row: &[Data]| row.iter().map(cell).collect::<Vec<String>>().join(";") + "\n";
-    Ok(range.rows().map(line).collect())
+    // From A1 on, as people count: a range begins with the first cell that is filled.
+    let (row, column) = range.start().unwrap_or_default();
+    let [above, before] = [("\n", row), (";", column)].map(|(of, count)| of.repeat(count as usize));
+    let line = |row: &[Data]| row.iter().map(cell).collect::<Vec<String>>().join(";");
+    let lines = range.rows().map(|row| format!("{before}{}\n", line(row)));
+    Ok(above + &lines.collect::<String>())
 }
 
 /// A few cells may claim a sheet that no memory holds: it is made as a whole, from the first to the last of them.
