@@ -77,8 +77,7 @@ impl Block {
             let help = "save the program with line ends LF or CR LF";
             return self.wrong.push(Wrong::new((at, at + 1), what, help));
         }
-        let variables = Some(variables);
-        let mut words = Lexer { line, language, variables, ..Lexer::default() };
+        let mut words = Lexer { line, language, variables: Some(variables), ..Lexer::default() };
         while let Some(word) = words.next() {
             let taken = match language {
                 Language::Iso => word.map(|word| self.take(word)),
@@ -138,9 +137,8 @@ impl Block {
         let whole = natural(tenths.round()).and_then(|whole| u16::try_from(whole).ok());
         let whole = whole.filter(|whole| *whole <= 9999);
         let Some(tenths) = whole.filter(|whole| (tenths - f64::from(*whole)).abs() <= 1e-6) else {
-            let what = format!("there is no `{letter}{}`", word.value);
             let help = "expected a number from 0 to 999 with at most one decimal";
-            return refuse(word.span, what, help);
+            return refuse(word.span, format!("there is no `{letter}{}`", word.value), help);
         };
         self.add(word.letter, CodeWord { tenths, span: word.span })
     }

@@ -37,8 +37,7 @@ impl Lexer<'_> {
         while let Some((sign, level)) = self.operator(least) {
             let place = (self.at, self.at + sign.len());
             self.at = place.1;
-            let right = self.bound(level + 1)?;
-            value = applied(sign, value, right)
+            value = applied(sign, value, self.bound(level + 1)?)
                 .map_err(|(what, help)| Wrong::new(place, what, help))?;
         }
         Ok(value)
@@ -178,8 +177,7 @@ impl Lexer<'_> {
     pub(crate) fn whole_number(&mut self) -> Result<u32, Wrong> {
         self.peek();
         let start = self.at;
-        let value = self.primary()?;
-        whole(value, (start, self.at))
+        whole(self.primary()?, (start, self.at))
     }
 }
 
@@ -192,8 +190,7 @@ fn whole(value: f64, place: Span) -> Result<u32, Wrong> {
 
 /// The number that a control can have and that a value is but for rounding.
 pub(crate) fn nearly_natural(value: f64) -> Option<u32> {
-    let near = natural(value).and(natural(value.round()));
-    near.filter(|_| (value - value.round()).abs() < ROUNDING)
+    natural(value).and(natural(value.round())).filter(|_| (value - value.round()).abs() < ROUNDING)
 }
 
 /// The whole part of a number from 0 on that a control can have.

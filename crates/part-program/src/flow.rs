@@ -237,8 +237,7 @@ impl Index {
                 None => numbered(bytes, b"OoNn:", b'N', b'O').map(|number| ("O", number)),
             };
             let Some(label) = label else { continue };
-            let place = if label.0 == "END" { text.mark() } else { start };
-            index.add(label, place, number)?;
+            index.add(label, if label.0 == "END" { text.mark() } else { start }, number)?;
         }
     }
 
@@ -268,11 +267,10 @@ impl Index {
         }
         let here = text.mark().bytes;
         let places = self.labels.get(&label).map_or(&[][..], Vec::as_slice);
-        let behind = places.partition_point(|place| place.bytes <= here);
         let place = match label.0 {
             "O" => places.first(),
             "DO" => places[..places.partition_point(|place| place.bytes < here)].last(),
-            _ => places.get(behind),
+            _ => places.get(places.partition_point(|place| place.bytes <= here)),
         };
         Ok((place.copied(), 0))
     }

@@ -125,8 +125,7 @@ impl Interpreter {
         for letter in *b"NFSTD" {
             block.value(letter); // without effect on the path, or taken already
         }
-        let done = self.select(block, asked);
-        let done = done.and_then(|()| self.moved(block, asked));
+        let done = self.select(block, asked).and_then(|()| self.moved(block, asked));
         let done = done.and_then(|()| self.drills(block, asked.once.is_none()));
         let flow = done.and(self.programs(block));
         if block.wrong.is_empty() {
@@ -144,17 +143,12 @@ impl Interpreter {
     fn moved(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
         self.in_machine = asked.machine.is_some();
         if let Some(span) = asked.machine {
-            let ended = asked.end_cycle.map(|_| Motion::Ended);
-            let motion = asked.motion.or(ended).or(self.motion);
+            let motion = asked.motion.or(asked.end_cycle.map(|_| Motion::Ended)).or(self.motion);
             let is_straight = matches!(motion, Some(Motion::Rapid | Motion::Straight));
             let fits = is_straight && !self.incremental && asked.once.is_none();
             if !fits || !block.has_any(&AXES) {
-                let help = "write it in a block of its own, e.g. `G90 G53 G0 Z0`";
-                return refuse(
-                    span,
-                    "`G53` is executed with G90, G0 or G1, and an axis only",
-                    help,
-                );
+                let what = "`G53` is executed with G90, G0 or G1, and an axis only";
+                return refuse(span, what, "write it in a block of its own, e.g. `G90 G53 G0 Z0`");
             }
         }
         for motion in asked.end_cycle.map(|_| Motion::Ended).into_iter().chain(asked.motion) {
@@ -330,17 +324,15 @@ fn named(block: &mut Block, letter: u8, span: Span, word: &str) -> Result<u32, W
 
 fn unknown_system(span: Span, system: u32) -> Wrong {
     let name = system_name(system);
-    let what = format!("the zero of {name} in machine coordinates is not known");
     let help = format!(
         "add `[[path.offset]]` with `system = \"{name}\"`, `x_mm`, `y_mm`, `z_mm` to the job (zeros, if the program is in machine coordinates)"
     );
-    Wrong::new(span, what, help)
+    Wrong::new(span, format!("the zero of {name} in machine coordinates is not known"), help)
 }
 
 /// The first axis word of a block, or its centre.
 fn first_span(block: &Block) -> Span {
-    let letters = b"XYZIJKR";
-    let places = letters.iter().filter(|letter| block.has(**letter));
+    let places = b"XYZIJKR".iter().filter(|letter| block.has(**letter));
     places.map(|letter| block.span(*letter)).min().unwrap_or((0, 1))
 }
 

@@ -246,8 +246,7 @@ impl Lexer<'_> {
             }
             _ => "write letter and number, e.g. `X10.5`; text belongs into `( … )`",
         };
-        let is_expression = matches!(next, Some(b'[' | b'#' | b'='));
-        self.at = if is_expression { self.line.len() } else { end };
+        self.at = if matches!(next, Some(b'[' | b'#' | b'=')) { self.line.len() } else { end };
         Wrong::new((start, end), format!("`{letter}` has no number"), help)
     }
 
@@ -262,8 +261,7 @@ impl Lexer<'_> {
             b',' => "write numbers with a point, like `X10.5`",
             _ => "text belongs into `( … )`",
         };
-        let span = (start, start + 1);
-        Wrong::new(span, "a sign that begins no word, expected a letter", help)
+        Wrong::new((start, start + 1), "a sign that begins no word, expected a letter", help)
     }
 }
 

@@ -47,8 +47,7 @@ pub trait Text {
 
 /// The first line without the mark that some editors put before it.
 pub(crate) fn without_mark(line: Line<'_>) -> Line<'_> {
-    let first = line.number == 1;
-    let bytes = line.bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| first);
+    let bytes = line.bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| line.number == 1);
     Line { bytes: bytes.unwrap_or(line.bytes), ..line }
 }
 
@@ -86,8 +85,7 @@ pub fn run(
     setup: &Setup,
     mut follow: impl FnMut(&Move) -> Result<(), Refused>,
 ) -> Result<Ran, Vec<Refused>> {
-    let interpreter = Interpreter::new(setup);
-    let mut control = Control { interpreter, ..Control::default() };
+    let mut control = Control { interpreter: Interpreter::new(setup), ..Control::default() };
     let ended = control.execute(text, &mut follow);
     control.close(ended)
 }
@@ -356,6 +354,5 @@ fn refused(line: Line<'_>, wrong: &Wrong) -> Refused {
 fn excerpt(line: Line<'_>, (start, end): Span) -> Excerpt {
     let shown = |bytes| String::from_utf8_lossy(bytes).into_owned();
     let length = |at: usize| shown(&line.bytes[..at.min(line.bytes.len())]).len();
-    let span = (length(start), length(end));
-    Excerpt { line: line.number, text: shown(line.bytes), span }
+    Excerpt { line: line.number, text: shown(line.bytes), span: (length(start), length(end)) }
 }

@@ -176,14 +176,12 @@ impl Offsets {
 
     /// G10 L2: sets words of a system; of one that is not known all three are needed.
     pub(super) fn set_system(&mut self, system: u32, words: [Option<f64>; 3], add: bool) -> bool {
-        let known = self.systems.get(&system).copied();
         let complete = !add && words.iter().all(Option::is_some);
-        let Some(old) = known.or(complete.then_some([0.0; 3])) else {
+        let Some(old) = self.systems.get(&system).copied().or(complete.then_some([0.0; 3])) else {
             return false;
         };
         let new = |k: usize| words[k].map_or(old[k], |mm| if add { old[k] + mm } else { mm });
-        let new = std::array::from_fn(new);
-        self.systems.insert(system, new);
+        self.systems.insert(system, std::array::from_fn(new));
         self.update();
         true
     }

@@ -38,8 +38,7 @@ impl Lexer<'_> {
     }
 
     fn named(&mut self, span: Span, block: &mut Block) -> Result<(), Wrong> {
-        let written = &self.line[span.0..span.1];
-        let name = String::from_utf8_lossy(written).to_ascii_uppercase();
+        let name = String::from_utf8_lossy(&self.line[span.0..span.1]).to_ascii_uppercase();
         match name.as_str() {
             "CR" if self.takes(b'=') => return self.assigned(block, b'R', span.0),
             "ADIS" if self.takes(b'=') => block.adis = Some(self.expression()?),
@@ -77,8 +76,7 @@ impl Lexer<'_> {
     /// What stands behind `=`.
     fn assigned(&mut self, block: &mut Block, letter: u8, start: usize) -> Result<(), Wrong> {
         if letter == b'T' && self.peek() == Some(b'"') {
-            let name = self.quoted()?;
-            block.tool_name = Some((name, (start, self.at)));
+            block.tool_name = Some((self.quoted()?, (start, self.at)));
             return Ok(());
         }
         let word = self.identifier();

@@ -154,8 +154,7 @@ impl Interpreter {
         let (first, step) = self.place_of_hole(block)?;
         for repeat in 0..times {
             let repeat = f64::from(if self.incremental { repeat } else { 0 });
-            let over = std::array::from_fn(|k| first[k] + step[k] * repeat);
-            self.hole(number, over, levels);
+            self.hole(number, std::array::from_fn(|k| first[k] + step[k] * repeat), levels);
         }
         Ok(())
     }
@@ -231,8 +230,7 @@ impl Interpreter {
         self.hole = Some(self.tally.holes);
         reach(self, bottom, false);
         self.hole = None;
-        let feeds_out = matches!(number, 84 | 85 | 89);
-        reach(self, retract, !feeds_out);
+        reach(self, retract, !matches!(number, 84 | 85 | 89));
         if !self.retracts && (initial - retract) * (retract - bottom) > 0.0 {
             reach(self, initial, true);
         }
@@ -291,8 +289,7 @@ impl Interpreter {
                 )
             }
             Some((back, reference, Some(bottom))) => {
-                let levels = [back, reference + safety, bottom];
-                return Ok(Some((*number, levels)));
+                return Ok(Some((*number, [back, reference + safety, bottom])));
             }
         };
         refuse(call.span, what, help)

@@ -19,19 +19,16 @@ impl Interpreter {
 
     /// The number of the tool offset where G43 stands without H.
     fn number_without_h(&mut self, span: Span) -> Result<u32, Wrong> {
-        let asked = self.setup.g43_without_h;
-        let (known, why) = match asked {
-            G43WithoutH::Refuse => (None, "controls differ in which tool offset is meant"),
-            G43WithoutH::LastH => (self.tool_number, "no tool offset was named yet"),
-            G43WithoutH::Tool => (self.spindle_tool, "no T and M6 changed a tool in before"),
+        let (known, why, more) = match self.setup.g43_without_h {
+            G43WithoutH::Refuse => (
+                None,
+                "controls differ in which tool offset is meant",
+                "; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]",
+            ),
+            G43WithoutH::LastH => (self.tool_number, "no tool offset was named yet", ""),
+            G43WithoutH::Tool => (self.spindle_tool, "no T and M6 changed a tool in before", ""),
         };
         self.is_lost |= known.is_none();
-        let more = match asked {
-            G43WithoutH::Refuse => {
-                "; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]"
-            }
-            _ => "",
-        };
         known.ok_or_else(|| {
             let help = "write H with the number of the tool offset, e.g. `G43 H1`";
             Wrong::new(span, format!("`G43` without H: {why}"), format!("{help}{more}"))
