@@ -225,8 +225,7 @@ fn what_to_do(section: &Section<'_>, key: &'static str) -> Option<Fact<String>> 
     let origin = origin_or_rule(section);
     let text = text?;
     let known = |word: &str| word == REFERENCE || ROLES.iter().any(|role| role.word() == word);
-    let words = pieces(&text).into_iter().filter_map(|(_, word)| word);
-    for word in words.filter(|word| !known(word)) {
+    for word in pieces(&text).into_iter().filter_map(|(_, word)| word).filter(|word| !known(word)) {
         section.problem(
             key,
             format!("`{{{}}}` cannot be filled in", shown(word)),

@@ -117,17 +117,12 @@ impl Precondition {
 
     /// The same, where data are overwritten or an axis moves unless it holds.
     pub(crate) fn dangerous(self) -> Self {
-        Precondition { when: SeenTo::Danger, ..self }
+        self.seen_to(SeenTo::Danger)
     }
 
-    /// The same, with a box of its own: what the tables mean depends on it.
-    pub(crate) fn boxed(self) -> Self {
-        Precondition { when: SeenTo::Boxed, ..self }
-    }
-
-    /// The same, seen to after loading.
-    pub(crate) fn after_loading(self) -> Self {
-        Precondition { when: SeenTo::After, ..self }
+    /// The same, seen to at this time.
+    pub(crate) fn seen_to(self, when: SeenTo) -> Self {
+        Precondition { when, ..self }
     }
 }
 

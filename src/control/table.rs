@@ -152,8 +152,7 @@ impl ListedTables {
 
     /// The factor of axes; 0 = there is none.
     pub(crate) fn factor(&self, base: &str, output: &str) -> f64 {
-        let own = self.tables.iter().find(|table| table.is_for(base, output));
-        own.map_or(0.0, ListedTable::factor)
+        self.tables.iter().find(|table| table.is_for(base, output)).map_or(0.0, ListedTable::factor)
     }
 
     /// No table.

@@ -168,7 +168,6 @@ fn acting(tables: &ListedTables) -> ListedTables {
 /// The axes that the lines are for.
 #[derive(Clone, Default)]
 struct Axes {
-    axis: Option<String>,
     base: Option<String>,
     output: Option<String>,
 }
@@ -189,7 +188,7 @@ impl Axes {
     fn set(&mut self, field: Field, name: &str) {
         let name = Some(name.to_string());
         match field {
-            Field::Axis => *self = Axes { axis: name, ..Axes::default() },
+            Field::Axis => *self = Axes { base: name.clone(), output: name },
             Field::Base => self.base = name,
             Field::Output => self.output = name,
             _ => {}
@@ -197,9 +196,7 @@ impl Axes {
     }
 
     fn pair(&self) -> Option<[String; 2]> {
-        let base = self.base.as_ref().or(self.axis.as_ref())?;
-        let output = self.output.as_ref().or(self.axis.as_ref())?;
-        Some([base.clone(), output.clone()])
+        Some([self.base.clone()?, self.output.clone()?])
     }
 }
 
@@ -208,13 +205,9 @@ fn is_factor(text: &str) -> bool {
     text.parse().is_ok_and(|factor: f64| factor.abs() < 1.0)
 }
 
-/// What a line says that looks like a comment and names the unit.
-fn unit_of_comment<'a>(
-    patterns: impl Iterator<Item = &'a Pattern>,
-    line: &str,
-) -> Option<Vec<Said>> {
-    let mut of_unit = patterns.filter(|own| own.fields().any(|field| field == Field::Unit));
-    of_unit.find_map(|own| own.take(line))
+/// Whether a line of this pattern names the unit.
+fn names_unit(pattern: &Pattern) -> bool {
+    pattern.fields().any(|field| field == Field::Unit)
 }
 
 /// A file while it is read.
@@ -244,12 +237,9 @@ impl Reading<'_> {
         if line.trim().is_empty() {
             return;
         }
-        let mut patterns = self.facts.lines.value.iter();
-        let found = match is_comment {
-            false => patterns.find_map(|own| own.take(line)),
-            true => unit_of_comment(patterns, line),
-        };
-        let Some(found) = found else {
+        let patterns = self.facts.lines.value.iter();
+        let mut patterns = patterns.filter(|own| !is_comment || names_unit(own));
+        let Some(found) = patterns.find_map(|own| own.take(line)) else {
             if self.is_other {
                 return;
             }
@@ -307,8 +297,7 @@ impl Reading<'_> {
         if at == self.drafts.len() {
             self.drafts.push(Draft::new(self.facts, line.clone()));
         }
-        let taken = self.drafts[at].take(text, (line, own), fields);
-        self.complaints.extend(taken.err());
+        self.complaints.extend(self.drafts[at].take(text, (line, own), fields).err());
     }
 
     /// A set of tables begins.
@@ -326,8 +315,7 @@ impl Reading<'_> {
 
     /// A comment that names a unit says it as the profile does: one that begins with the word, or holds it beside a size.
     fn check_comment(&mut self, line: &str, span: Range<usize>) {
-        let mut patterns = self.facts.lines.value.iter();
-        let has_unit = patterns.any(|own| own.fields().any(|field| field == Field::Unit));
+        let has_unit = self.facts.lines.value.iter().any(names_unit);
         let words = line.split(|c: char| !c.is_alphanumeric());
         let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
         let is_unit = |word: &&str| word.eq_ignore_ascii_case("unit");
@@ -341,7 +329,7 @@ impl Reading<'_> {
 
     /// A line that names the corrected axis twice means one.
     fn check_same(&mut self, text: &str, span: Range<usize>) {
-        let own = self.axes.output.clone().or(self.axes.axis.clone()).unwrap_or_default();
+        let own = self.axes.output.clone().unwrap_or_default();
         if !own.eq_ignore_ascii_case(text[span.clone()].trim()) {
             let message = format!("another axis than `{}`, which the line corrects", shown(&own));
             self.complain(span, message, "an axis that follows another one is not corrected so");

@@ -74,13 +74,6 @@ impl NodeTable {
         })
     }
 
-    /// The same table, repeating with the period last − first node.
-    #[must_use]
-    pub(crate) fn repeating(mut self) -> NodeTable {
-        self.modulo = true;
-        self
-    }
-
     /// Position of the first node.
     pub fn first(&self) -> Millimetres {
         Millimetres::new(self.start_mm)
@@ -137,8 +130,7 @@ impl NodeTable {
         let last = self.values_um.len() - 1;
         let period = self.node_mm(last) - self.start_mm;
         let (mut shift, end) = if self.modulo {
-            let first = ((from - self.start_mm) / period).floor() * period;
-            (first, to - self.start_mm)
+            (((from - self.start_mm) / period).floor() * period, to - self.start_mm)
         } else {
             (0.0, 0.0)
         };
@@ -204,8 +196,7 @@ impl Response {
         if let Some(equal) = step.and_then(|step| nodes(*low, step, values)) {
             return Some(Response::new(vec![equal], Correction::ZERO));
         }
-        let sections = mm.windows(2).zip(values.windows(2));
-        let ramps = sections.filter_map(|(mm, um)| {
+        let ramps = mm.windows(2).zip(values.windows(2)).filter_map(|(mm, um)| {
             let rise = Correction::from_um(um[1].um() - um[0].um());
             nodes(mm[0], mm[1] - mm[0], &[Correction::ZERO, rise])
         });

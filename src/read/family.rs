@@ -242,8 +242,7 @@ pub fn check_examples(profile: &Profile) -> Result<(), Problems> {
 
 fn check(profile: &Profile, example: &Example) -> Result<(), Problems> {
     let role = Role::Table;
-    let files = example.files.iter();
-    let files = files.map(|own| KitFile {
+    let files = example.files.iter().map(|own| KitFile {
         path: own.path.clone(),
         role,
         bytes: own.text.clone().into_bytes(),

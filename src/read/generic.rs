@@ -126,8 +126,7 @@ pub fn merge(files: Vec<Vec<Row>>) -> Result<Vec<Row>, Problems> {
 fn first_difference(one: &[Row], other: &[Row]) -> Option<String> {
     let mut pairs = one.iter().zip(other).enumerate();
     if let Some((index, (a, b))) = pairs.find(|(_, (a, b))| a != b) {
-        let cells = a.texts().into_iter().zip(b.texts()).zip(COLUMNS);
-        let differ = cells.filter(|((a, b), _)| a != b);
+        let differ = a.texts().into_iter().zip(b.texts()).zip(COLUMNS).filter(|((a, b), _)| a != b);
         let what: Vec<String> =
             differ.map(|((a, b), column)| format!("`{column}` (`{a}` and `{b}`)")).collect();
         let (row, what) = (index + 1, what.join(", "));

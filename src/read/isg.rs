@@ -75,8 +75,7 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     curves.sort_by_key(|curve| curve.parameter);
     let unnamed = others.iter().filter(|(name, _)| !named.contains(name));
     let unnamed = unnamed.map(|(name, _)| ReadFinding::NotListed { file: shown(name) }.into());
-    let unnamed = unnamed.collect();
-    problems.or_ok((IsgTables { curves, ..list.tables }, unnamed))
+    problems.or_ok((IsgTables { curves, ..list.tables }, unnamed.collect()))
 }
 
 fn not_one_list(lists: &[(&str, &str)], others: &[(&str, &str)]) -> Problem {
@@ -118,10 +117,7 @@ fn too_many(file: &str, curve: &Curve) -> Option<Problem> {
 
 /// Whether a text is a list: it names a parameter file.
 fn is_list(text: &str) -> bool {
-    lines(text).any(|line| {
-        let key = text[line].trim_start().to_ascii_lowercase();
-        key.starts_with("file[")
-    })
+    lines(text).any(|line| text[line].trim_start().to_ascii_lowercase().starts_with("file["))
 }
 
 /// A line `key value`.
@@ -248,8 +244,7 @@ fn set(value: &str) -> Result<PerAxis<bool>, &'static str> {
 }
 
 fn one_of(value: &str, words: &[&str], expected: &'static str) -> Result<(), &'static str> {
-    let is_one = words.iter().any(|word| word.eq_ignore_ascii_case(value));
-    is_one.then_some(()).ok_or(expected)
+    words.iter().any(|word| word.eq_ignore_ascii_case(value)).then_some(()).ok_or(expected)
 }
 
 fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
@@ -322,8 +317,7 @@ fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
         None => arguments.is_empty(),
     };
     let other = block.parameters().map(|(_, parameter)| parameter);
-    let other = other.filter(|parameter| !own(parameter)).last();
-    match other {
+    match other.filter(|parameter| !own(parameter)).last() {
         None => Ok(block),
         Some(parameter) => Err(Complaint::new(
             span,
@@ -356,8 +350,7 @@ fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
 
 impl Block {
     fn parameters(&self) -> impl Iterator<Item = (usize, Parameter)> {
-        let columns = self.columns.iter().enumerate();
-        columns.filter_map(|(index, column)| match column {
+        self.columns.iter().enumerate().filter_map(|(index, column)| match column {
             Column::Parameter(parameter) => Some((index, *parameter)),
             _ => None,
         })
@@ -431,8 +424,7 @@ fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
     for (index, parameter) in block.parameters() {
         if curves.iter().any(|curve| curve.parameter == parameter) {
             let message = format!("{parameter} stands twice");
-            let span = block.span.clone();
-            return Err(Complaint::new(span, message, "give each parameter once"));
+            return Err(Complaint::new(block.span.clone(), message, "give each parameter once"));
         }
         let position = |row: &[f64]| argument.map_or(0.0, |at| row[at]);
         let point = |row: &Vec<f64>| Point { position: position(row), value: row[index] };

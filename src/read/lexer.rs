@@ -37,8 +37,7 @@ pub(super) fn located(file: &str, text: &str, mut complaints: Vec<Complaint>) ->
     for complaint in complaints {
         problems.push_with(|| {
             let place = index.place(file, text, complaint.span.start, complaint.span.end);
-            let problem = Problem::new(complaint.message).at(place);
-            problem.help(complaint.help)
+            Problem::new(complaint.message).at(place).help(complaint.help)
         });
     }
     problems

@@ -99,8 +99,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
             None => problems.push(not_there(*number, path)),
             Some((name, text)) => {
                 named.push(name);
-                let columns = joint.columns.unwrap_or(Columns::Reached);
-                let of_profile = columns == facts.columns.value;
+                let of_profile = joint.columns.unwrap_or(Columns::Reached) == facts.columns.value;
                 let rows = problems.take(rows(name, text, facts));
                 let points = rows.map(|rows| match of_profile {
                     true => rows,
@@ -285,8 +284,7 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
     let start = cursor.at;
     cursor.eat("+-");
     let whole = cursor.digits();
-    let point = cursor.peek() == Some('.');
-    cursor.at += usize::from(point);
+    cursor.at += usize::from(cursor.peek() == Some('.'));
     if whole.is_empty() && cursor.digits().is_empty() {
         return None;
     }
@@ -298,8 +296,7 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
     if cursor.digits().is_empty() {
         cursor.at = mantissa;
     }
-    let number = cursor.text(start..cursor.at).parse::<f64>().ok()?;
-    Some(number + 0.0) // −0 is 0
+    Some(cursor.text(start..cursor.at).parse::<f64>().ok()? + 0.0) // −0 is 0
 }
 
 /// What is wrong with a row behind those before it.

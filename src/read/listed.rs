@@ -33,8 +33,11 @@ pub(super) fn control(
         }
         load_table(table, (&name, &form), known_axis(state, &table.base)?)
     };
-    let pairs = tables.tables.iter().map(load).collect::<Result<_, _>>()?;
-    PairControl::new(pairs, own.replaces_parameter(), state)
+    let pairs: Vec<Pair> = tables.tables.iter().map(load).collect::<Result<_, _>>()?;
+    for pair in &pairs {
+        known_axis(state, &pair.output)?;
+    }
+    Ok(PairControl { pairs, replaces_backlash: own.replaces_parameter(), state: state.clone() })
 }
 
 /// The tables of a file take the places of those held that they replace; the others stay.
@@ -47,8 +50,7 @@ pub(super) fn load(
         (Tables::Listed(held), Tables::Listed(file)) => {
             let stays = |own: &ListedTable| !file.tables.iter().any(|new| replaces(own, new));
             held.tables.retain(stays);
-            let kept = std::mem::take(&mut held.tables);
-            *held = ListedTables::of([kept, file.tables].concat());
+            *held = ListedTables::of([std::mem::take(&mut held.tables), file.tables].concat());
         }
         (held, file) => *held = file,
     }
@@ -62,8 +64,7 @@ fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emul
     };
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
-        let column = OneWay { points: &points, value, form };
-        let response = column.response(base.reference);
+        let response = OneWay { points: &points, value, form }.response(base.reference);
         response.ok_or_else(|| CannotEmulate(format!("the {name} has no point")))
     };
     let copies =
@@ -148,8 +149,7 @@ impl OneWay<'_> {
         let values: Vec<Correction> = self.amounts().iter().map(correction).collect();
         let mut response = Response::straight(&mm, &values)?;
         if self.form.value == ValueForm::Increment {
-            let there = response.correction(reference);
-            response.shift(Correction::from_um(0.0 - there.um()));
+            response.shift(Correction::from_um(0.0 - response.correction(reference).um()));
         }
         Some(response)
     }
@@ -207,22 +207,6 @@ pub(super) struct PairControl {
     /// Whether the table of an axis for itself stands in place of its backlash parameter.
     pub(super) replaces_backlash: bool,
     pub(super) state: ControlState,
-}
-
-impl PairControl {
-    /// A control with these corrections, one for each pair.
-    ///
-    /// **limits** fails if an axis is not one of the control
-    pub(super) fn new(
-        pairs: Vec<Pair>,
-        replaces_backlash: bool,
-        state: &ControlState,
-    ) -> Emulated<PairControl> {
-        for name in pairs.iter().flat_map(|pair| [&pair.base, &pair.output]) {
-            known_axis(state, name)?;
-        }
-        Ok(PairControl { pairs, replaces_backlash, state: state.clone() })
-    }
 }
 
 impl Emulator for PairControl {

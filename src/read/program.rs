@@ -38,6 +38,5 @@ pub fn read(
         Language::Fanuc => &fanuc::block::VOCABULARY,
         Language::Linuxcnc => &linuxcnc::VOCABULARY,
     };
-    let steps = blocks::steps(text, vocabulary, words);
-    steps.map_err(|complaint| located(file, text, vec![complaint]))
+    blocks::steps(text, vocabulary, words).map_err(|complaint| located(file, text, vec![complaint]))
 }

@@ -71,8 +71,7 @@ impl Family for SiemensFacts {
     /// A program of whatever kind has an end word.
     fn may_obey(&self, text: &str) -> bool {
         let is_end_word = |line: Range<usize>| {
-            let code = text[code_of(text, &line)].trim_matches(BLANKS).to_ascii_uppercase();
-            is_end(&code)
+            is_end(&text[code_of(text, &line)].trim_matches(BLANKS).to_ascii_uppercase())
         };
         text.contains('$') || lines(text).any(is_end_word)
     }
@@ -189,8 +188,7 @@ impl<'a> Reader<'a> {
 
     fn carry_out(&mut self, code: Range<usize>) -> Result<(), Complaint> {
         let found = statement(self.text, code.clone())?;
-        let words = self.text[code.clone()].trim_matches(BLANKS);
-        let is_blank = || words.is_empty();
+        let is_blank = || self.text[code.clone()].trim_matches(BLANKS).is_empty();
         if matches!(found, Statement::Nothing) && (!self.ended || is_blank()) {
             return Ok(());
         }
@@ -274,8 +272,7 @@ impl<'a> Reader<'a> {
             self.memory.all.notes.push(ReadFinding::ActsLater { file, variable }.into());
         }
         let contents = self.memory.finish(&mut self.complaints);
-        let problems = located(self.file, self.text, self.complaints);
-        problems.or_ok(contents)
+        located(self.file, self.text, self.complaints).or_ok(contents)
     }
 }
 

@@ -36,8 +36,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(task.model.remarks.notes.iter().cloned());
     let takes_angles = family(task.profile).takes_angles(task);
     let is_said = |note: &&Finding| {
-        let is_of_angles = note.kind() == Some(&ModelFinding::AnglesNotCompensated);
-        !(takes_angles && is_of_angles)
+        !(takes_angles && note.kind() == Some(&ModelFinding::AnglesNotCompensated))
     };
     notes.extend(task.model.unused.iter().filter(is_said).cloned());
     notes.extend(slips(task.model).into_iter().map(Finding::from));
@@ -136,8 +135,7 @@ fn job_assumptions(task: Task<'_>, plan: &Plan) -> Vec<Assumption> {
             format!("the reversal of {axis} would be off by the {parameter} that was on: state `active_backlash_um`"),
         )
     });
-    let directions = reference_directions(task, plan);
-    names.chain(parameters).chain(directions).collect()
+    names.chain(parameters).chain(reference_directions(task, plan)).collect()
 }
 
 fn is_involved(plan: &Plan, axis: Axis) -> bool {
@@ -149,8 +147,7 @@ fn is_involved(plan: &Plan, axis: Axis) -> bool {
 fn default_names(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Assumption> {
     let reach_axes = family(task.profile).names_reach_axes();
     let axes = plan.default_names.iter();
-    let axes = axes.filter(move |axis| reach_axes && is_involved(plan, **axis));
-    axes.map(|axis| {
+    axes.filter(move |axis| reach_axes && is_involved(plan, **axis)).map(|axis| {
         Assumption::of_job(
             format!("axis_name_{}", axis.key()),
             plan.names[*axis].join(", "),
@@ -187,8 +184,7 @@ fn reference_directions(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Ass
 /// What to look at in the measured values before tables are made from them.
 pub(super) fn slips(model: &ErrorModel) -> Vec<TableFinding> {
     let lone = model.measured().flat_map(|(term, measured)| {
-        let curves = measured.measured.ways();
-        curves.filter_map(move |(way, curve)| lone_value(term, way, curve))
+        measured.measured.ways().filter_map(move |(way, curve)| lone_value(term, way, curve))
     });
     unlikely_reversals(model).chain(lone).collect()
 }

@@ -81,8 +81,7 @@ pub(crate) fn ascii(text: &str) -> Cow<'_, str> {
     if text.is_ascii() || text.contains(is_unseen) {
         return Cow::Borrowed(text);
     }
-    let german = without_umlauts(text);
-    Cow::Owned(deunicode_with_tofu(&german, NO_LETTER).trim().to_string())
+    Cow::Owned(deunicode_with_tofu(&without_umlauts(text), NO_LETTER).trim().to_string())
 }
 
 fn without_umlauts(text: &str) -> String {

@@ -30,8 +30,7 @@ use crate::write::task::{Plan, PlannedTable, Target, Task};
 impl Family for DeclaredFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
         if self.factors.is_some() {
-            let is_axis = Axis::ALL.iter().any(|axis| axis.key() == name);
-            return (!is_axis).then_some("x, y or z");
+            return (!Axis::ALL.iter().any(|axis| axis.key() == name)).then_some("x, y or z");
         }
         if self.typed.is_some() {
             return None;

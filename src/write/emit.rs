@@ -102,8 +102,7 @@ pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<impl Serialize + u
 
 fn context_of(emitted: &Emitted<'_>) -> Seen {
     let own = family(emitted.task.profile).context(emitted);
-    let both = [head_of(emitted), own].into_iter().filter_map(Seen::into_map);
-    both.flatten().collect::<Map>().into()
+    [head_of(emitted), own].into_iter().filter_map(Seen::into_map).flatten().collect::<Map>().into()
 }
 
 /// What a context holds of every control.
@@ -142,8 +141,7 @@ fn header(emitted: &Emitted<'_>, date: &str, active: &str) -> Vec<String> {
     let simulated = emitted.task.model.remarks.simulated().next();
     let simulated = simulated.map(|_| format!("{SIMULATED}: predicted readings, a rehearsal"));
     let measured = || format!("measured {date}, compensation active while measuring: {active}");
-    let origin = emitted.notice.map_or_else(measured, str::to_string);
-    simulated.into_iter().chain([origin]).collect()
+    simulated.into_iter().chain([emitted.notice.map_or_else(measured, str::to_string)]).collect()
 }
 
 fn term(placement: &Placement) -> Seen {
@@ -221,8 +219,7 @@ pub fn render(task: Task<'_>, compiled: &Compiled) -> Result<Vec<KitFile>, Probl
 
 /// Of these the files that a control may load and no reader takes; nearly no profile has one.
 pub(crate) fn render_unread(task: Task<'_>, compiled: &Compiled) -> Result<Vec<KitFile>, Problems> {
-    let emitted = Emitted::of_kit(task, compiled);
-    render_those(&emitted, EmittedFile::is_loaded_unread)
+    render_those(&Emitted::of_kit(task, compiled), EmittedFile::is_loaded_unread)
 }
 
 /// What a checklist says.

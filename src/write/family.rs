@@ -342,8 +342,7 @@ pub(crate) fn backlash_parameter(
             return Precondition::new(what, "as during the measurement", why, source);
         }
     };
-    let when = SeenTo::Entered;
-    Precondition { when, ..Precondition::new(what, value, why, source) }
+    Precondition::new(what, value, why, source).seen_to(SeenTo::Entered)
 }
 
 /// A backlash parameter in micrometres as it is named: to a tenth of one.

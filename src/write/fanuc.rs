@@ -6,7 +6,7 @@ mod tables;
 
 use self::numbers::{Run, is_four_point, runs};
 use self::tables::{Totals, Writer, points};
-use crate::control::claims::{Assumption, Precondition};
+use crate::control::claims::{Assumption, Precondition, SeenTo};
 use crate::control::controller::{ControlUnit, FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
@@ -55,8 +55,7 @@ impl Family for FanucFacts {
     }
 
     fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str) {
-        let blocks = self.pitch_points.value.iter();
-        let space = blocks.map(|r| r.last - r.first + 1).max().unwrap_or(0);
+        let space = self.pitch_points.value.iter().map(|r| r.last - r.first + 1).max().unwrap_or(0);
         if targets.iter().any(|t| t.term.is_cross()) {
             let most = self.straightness_axis_points.value.min(space);
             (most, "the moving axis of a straightness compensation")
@@ -92,8 +91,7 @@ impl Family for FanucFacts {
             plan.tables.iter().position(is_of)
         });
         let state = control_state(task, plan, |axis| {
-            let backlash = backlash_counts(task, plan, axis);
-            backlash.map_or(0.0, |(counts, unit_um)| counts * unit_um)
+            backlash_counts(task, plan, axis).map_or(0.0, |(counts, unit_um)| counts * unit_um)
         });
         out.problems.or_ok(Compiled {
             assumptions: assumptions(task, plan, &runs),
@@ -120,10 +118,8 @@ impl Family for FanucFacts {
         let identifier = |letter: &'static str| if self.q_identifier.value { letter } else { "" };
         let mut blocks: BTreeMap<u32, Vec<Seen>> = BTreeMap::new();
         for (ParameterKey { number, axis }, value) in &memory.parameters {
-            let of_path = identifier("L1").to_string();
-            let axis = axis.map_or(of_path, |axis| format!("A{axis}"));
-            let segment = seen! { "axis": axis, "value": text(*value) };
-            blocks.entry(*number).or_default().push(segment);
+            let axis = axis.map_or(identifier("L1").to_string(), |axis| format!("A{axis}"));
+            blocks.entry(*number).or_default().push(seen! { "axis": axis, "value": text(*value) });
         }
         let parameters = blocks.into_iter().map(|(number, segments)| {
             seen! { "number": digits(number, self), "identifier": identifier("Q1"), "segments": segments }
@@ -212,8 +208,7 @@ impl Family for FanucFacts {
         let is_missing = |point: &&u32| !proofs.iter().any(|p| p.points.contains_key(*point));
         let rest: Vec<u32> = kit.points.keys().filter(is_missing).copied().collect();
         if let Some(memory) = proofs.iter_mut().find(|p| !p.points.is_empty()) {
-            let zeros = rest.into_iter().map(|point| (point, 0));
-            memory.points.extend(zeros);
+            memory.points.extend(rest.into_iter().map(|point| (point, 0)));
         }
     }
 }
@@ -373,7 +368,7 @@ fn preconditions(
         "the compensation acts only after the reference return",
         "cnc.wiki, FANUC pitch error compensation",
     );
-    list.extend([power_on, homed].map(Precondition::after_loading));
+    list.extend([power_on, homed].map(|own| own.seen_to(SeenTo::After)));
     list.push(Precondition::new("3602#0", "0", "the data are increments, not totals", MEMORY));
     for run in runs {
         list.extend(axis_preconditions(task, plan, run));
@@ -405,9 +400,8 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             if directed { "1" } else { "0" },
             "bidirectional pitch error compensation; the parameter is not written: it holds other bits, which stay as they are",
             "A-77810E/02",
-        ).boxed());
-        let stated = settings.and_then(|s| s.interpolated);
-        list.extend(stated.map(|on| {
+        ).seen_to(SeenTo::Boxed));
+        list.extend(settings.and_then(|s| s.interpolated).map(|on| {
             Precondition::new(
                 format!("3605#1 of axis {id}"),
                 if on { "1" } else { "0" },

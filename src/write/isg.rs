@@ -89,13 +89,11 @@ impl Family for IsgFacts {
         let kit: &IsgTables = proof.kit.own();
         let of_kit = kit.curves.iter().map(|curve| {
             let has_bump = curve.parameter == Parameter::Deviation(proof.term);
-            let deviations = proof.deviations(has_bump, curve.points.len());
-            let points = curve.points.iter().zip(deviations);
+            let points = curve.points.iter().zip(proof.deviations(has_bump, curve.points.len()));
             let point = |(point, d): (&Point, Deviation)| Point { value: self.value(d), ..*point };
             Curve { points: points.map(point).collect(), ..curve.clone() }
         });
-        let curves = of_kit.collect();
-        Some(Tables::Isg(IsgTables { curves, ..kit.clone() }))
+        Some(Tables::Isg(IsgTables { curves: of_kit.collect(), ..kit.clone() }))
     }
 }
 
@@ -170,8 +168,7 @@ impl IsgFacts {
             let points = (grid.first..=grid.last).map(|at| {
                 let urad = self.angle_sign.value.table_um(table.at(grid.position(at)));
                 let value = rounded(urad / Parameter::PER_RAD, self.angle_decimals.value) + 0.0;
-                let position = grid.written(at);
-                Point { position, value }
+                Point { position: grid.written(at), value }
             });
             angles.push(Curve { parameter: Parameter::Angle(rotation), points: points.collect() });
         }
@@ -187,8 +184,7 @@ impl IsgFacts {
     /// What there is to know of angles that are written, and of those that are not.
     fn notes(&self, task: Task<'_>, angles: &[Curve]) -> impl Iterator<Item = TableFinding> {
         let is_written = |rotation: &Rotation| {
-            let parameter = Parameter::Angle(*rotation);
-            angles.iter().any(|curve| curve.parameter == parameter)
+            angles.iter().any(|curve| curve.parameter == Parameter::Angle(*rotation))
         };
         let measured = Rotation::all().filter(|rotation| task.model.rotations[*rotation].is_some());
         let measured = measured.filter(|_| self.takes_angles(task));
@@ -202,8 +198,7 @@ impl IsgFacts {
     /// `ISG_CSV`: of each axis that moves its parameters, row by row.
     fn blocks(&self, tables: &IsgTables) -> Vec<Seen> {
         let along = |axis: Axis| {
-            let own = tables.curves.iter();
-            own.filter(move |curve| curve.parameter.along() == Some(axis))
+            tables.curves.iter().filter(move |curve| curve.parameter.along() == Some(axis))
         };
         let block = |axis: Axis| {
             let first = along(axis).next()?;
@@ -237,8 +232,7 @@ impl IsgFacts {
 
 /// The chain of the job; without angles its order has no effect.
 fn chain(task: Task<'_>) -> Chain {
-    let stated = task.job.machine.chain;
-    stated.unwrap_or(Chain::ALL_AXES_MOVE_THE_TOOL)
+    task.job.machine.chain.unwrap_or(Chain::ALL_AXES_MOVE_THE_TOOL)
 }
 
 /// One logical axis for each of X, Y, Z.
@@ -300,8 +294,7 @@ fn preconditions(task: Task<'_>, plan: &Plan, tables: &IsgTables) -> Vec<Precond
         ),
     ];
     let named = |um| backlash_text(um).0;
-    let axes = plan.backlash_um.iter().filter(|(_, um)| um.is_some());
-    list.extend(axes.map(|(axis, _)| {
+    list.extend(plan.backlash_um.iter().filter(|(_, um)| um.is_some()).map(|(axis, _)| {
         let what = format!("{} of {axis}", task.profile.family.backlash_parameter);
         backlash_parameter(task, plan, axis, what, named, PAGES)
     }));

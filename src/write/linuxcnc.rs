@@ -33,8 +33,7 @@ impl Family for LinuxcncFacts {
     }
 
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
-        let decimals = self.position_decimals.value;
-        LengthDigit { unit, decimals }
+        LengthDigit { unit, decimals: self.position_decimals.value }
     }
 
     fn takes_directions(&self, term: ErrorTerm) -> bool {
@@ -57,10 +56,7 @@ impl Family for LinuxcncFacts {
     fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str) {
         match targets.iter().any(|target| target.term.is_positioning()) {
             true => (self.rows.value, "a COMP_FILE"),
-            false => {
-                let sections = self.curves.value * (self.curve_points.value - 1);
-                (sections + 1, "the memory of HAL")
-            }
+            false => (self.curves.value * (self.curve_points.value - 1) + 1, "the memory of HAL"),
         }
     }
 
@@ -70,8 +66,7 @@ impl Family for LinuxcncFacts {
         })?;
         self.pad(&mut compiled.tables);
         self.check_curves(task, tables_of(&compiled.tables))?;
-        let preconditions = preconditions(task, tables_of(&compiled.tables));
-        Ok(Compiled { preconditions, ..compiled })
+        Ok(Compiled { preconditions: preconditions(task, tables_of(&compiled.tables)), ..compiled })
     }
 
     fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {

@@ -33,8 +33,7 @@ pub(super) fn compile(
     let tables = tables(plan, form, |_| true, cancels);
     check(own, task, &tables)?;
     check_ends(task, plan, form, cancels)?;
-    let placed = plan.tables.iter();
-    let placed = placed.map(|own| Placement::of(own, place(own), form(own).count_um()));
+    let placed = plan.tables.iter().map(|own| Placement::of(own, place(own), form(own).count_um()));
     Ok(Compiled::of(Tables::Listed(ListedTables::of(tables)), placed.collect(), state))
 }
 
@@ -227,8 +226,7 @@ fn ends_short(
     /// A table may end short of the travel by this much (rounding of positions), mm.
     const END_MM: f64 = 1e-3;
     let is_nothing = |value: Option<&Deviation>| {
-        let counts = value.map_or(0.0, |own| own.um() / form.count_um());
-        rounded(counts, 0).abs() < 1.0
+        rounded(value.map_or(0.0, |own| own.um() / form.count_um()), 0).abs() < 1.0
     };
     let may_end = |end: fn(&[Deviation]) -> Option<&Deviation>| match form.outside {
         Outside::Hold => true,

@@ -204,8 +204,7 @@ fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {
         let replaced = replaces_backlash(task.profile).then_some(0.0);
         match task.job.compensation.backlash[axis] {
             Some(BacklashPolicy::CurveAndParameter) => {
-                let reversal = measured.reversal();
-                reversal.map(|b| (-b).um() + 0.0).or(replaced)
+                measured.reversal().map(|b| (-b).um() + 0.0).or(replaced)
             }
             // One table for two that are equal supposes, as they do, that the parameter is 0.
             Some(BacklashPolicy::TwoTables)
@@ -299,8 +298,7 @@ struct Extent {
 impl Extent {
     fn of(table: &PlannedTable) -> Extent {
         let spacing = table.grid.spacing().mm();
-        let slopes = table.values.windows(2);
-        let slopes = slopes.map(|pair| ((pair[1] - pair[0]).um() / spacing).abs());
+        let slopes = table.values.windows(2).map(|pair| ((pair[1] - pair[0]).um() / spacing).abs());
         let values = table.values.iter().copied().enumerate();
         let largest = values.max_by(|a, b| a.1.um().abs().total_cmp(&b.1.um().abs()));
         Extent {

@@ -156,8 +156,7 @@ fn context(task: RunTask<'_>, program: &SetUpProgram, number: u32) -> Seen {
     let RunTask { request, facts, .. } = task;
     let unit = task.resolution().unit;
     let name = program.subject.to_string();
-    let start = program.places().first().copied().unwrap_or_default();
-    let [plane, height] = approach(task, &start);
+    let [plane, height] = approach(task, &program.places().first().copied().unwrap_or_default());
     let tool_axis = facts.axis_letters.value.get(2).map_or("", String::as_str);
     seen! {
         "name": format!("NONIUS {name}"),
@@ -243,8 +242,7 @@ fn render(task: RunTask<'_>, number: u32, program: &SetUpProgram) -> Result<Prog
         None => format!("NONIUS_{}", program.subject),
         Some(_) => format!("O{number:04}"),
     };
-    let seen = engine_context(&context(task, program, number));
-    let text = text(&facts.template, &seen)?;
+    let text = text(&facts.template, &engine_context(&context(task, program, number)))?;
     let path = format!("{stem}.{}", facts.extension);
     let bytes = bytes_of(&path, &text, profile)?;
     Ok(ProgramFile { path, role: FileRole::Program, bytes })
@@ -303,8 +301,7 @@ fn form_of(program: &SetUpProgram) -> (String, &'static str) {
     let diagonals = "readings.csv".to_string();
     match program.subject {
         LaserPath::Axis(axis) => {
-            let path = format!("readings-{}.csv", axis.key());
-            (path, "target_mm,run,direction,deviation_um\n")
+            (format!("readings-{}.csv", axis.key()), "target_mm,run,direction,deviation_um\n")
         }
         LaserPath::Diagonal(_) if is_stepped(program) => {
             (diagonals, "diagonal,run,direction,node,moved,displacement_mm\n")

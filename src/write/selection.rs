@@ -122,8 +122,7 @@ impl Cost {
     fn forms(&self) -> Vec<(Form, u32)> {
         let nothing = (self.mean_tables != Some(0)).then_some((Form::Nothing, 0));
         let mean = self.mean_tables.map(|tables| (Form::Mean, tables));
-        let whole = Some((Form::Whole, self.tables));
-        [nothing, mean, whole].into_iter().flatten().collect()
+        [nothing, mean, Some((Form::Whole, self.tables))].into_iter().flatten().collect()
     }
 
     fn of_form(&self, form: Form) -> u32 {
@@ -145,8 +144,7 @@ pub(crate) fn choose(
     if budget.holds(costs, &vec![Form::Whole; costs.len()]) {
         return None;
     }
-    let states = PerAxis::from_fn(|axis| states_of(model, targets, axis));
-    let parts = Parts { states, costs };
+    let parts = Parts { states: PerAxis::from_fn(|axis| states_of(model, targets, axis)), costs };
     let mut best: Option<(f64, Vec<Form>)> = None;
     for forms in maximal(costs, &budget) {
         let limit = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
@@ -179,8 +177,7 @@ fn maximal(costs: &[Cost], stock: &TableStock) -> Vec<Vec<Form>> {
         let longer = |forms: &Vec<Form>| {
             let forms = forms.clone();
             let with = move |(form, _)| forms.iter().copied().chain([form]).collect();
-            let longer = cost.forms().into_iter().map(with);
-            longer.filter(|forms: &Vec<Form>| stock.holds(costs, forms))
+            cost.forms().into_iter().map(with).filter(|forms: &Vec<Form>| stock.holds(costs, forms))
         };
         combinations = combinations.iter().flat_map(longer).collect();
     }

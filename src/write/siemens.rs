@@ -36,8 +36,7 @@ impl Family for SiemensFacts {
     }
 
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
-        let decimals = self.position_decimals.value;
-        LengthDigit { unit, decimals }
+        LengthDigit { unit, decimals: self.position_decimals.value }
     }
 
     fn takes_directions(&self, _term: ErrorTerm) -> bool {
@@ -74,8 +73,7 @@ impl Family for SiemensFacts {
             for output in &plan.names[planned.term.of] {
                 let place = match is_lec(planned) {
                     true => {
-                        let encoder = encoder(task, planned.term.of);
-                        Place::Lec { axis: output.clone(), encoder }
+                        Place::Lec { axis: output.clone(), encoder: encoder(task, planned.term.of) }
                     }
                     false => Place::Cec(number),
                 };
@@ -118,8 +116,7 @@ impl Family for SiemensFacts {
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let tables: &SiemensTables = emitted.tables.own();
         let Emitted { task, compiled, placements, as_read, .. } = *emitted;
-        let digits = Digits { facts: self, as_read };
-        let of_table = |table| of_table(table, placements, digits);
+        let of_table = |table| of_table(table, placements, Digits { facts: self, as_read });
         let held = |table| held(&compiled.state, self, table);
         seen! {
             "lec": tables.lec().map(of_table).collect::<Vec<Seen>>(),
@@ -184,8 +181,7 @@ fn shown(state: &ControlState, table: &SiemensTable) -> String {
     // The last point may lie behind the end of the travel: the axis cannot go there.
     let mm = |index: usize| grid.position(index) * state.unit.in_mm();
     let is_reached = |index: usize| {
-        let travel = state.axis(base).map(|own| own.travel);
-        travel.is_none_or(|(low, high)| {
+        state.axis(base).map(|own| own.travel).is_none_or(|(low, high)| {
             (low.mm() - ROUNDING_MM..=high.mm() + ROUNDING_MM).contains(&mm(index))
         })
     };
@@ -302,8 +298,7 @@ fn datum(datum: &MachineDatum) -> Seen {
 
 /// The term of a table in words, by the place it was put.
 fn title(placements: &[Placement], place: &str) -> String {
-    let placement = placements.iter().find(|p| p.place.split(", ").any(|one| one == place));
-    placement.map_or_else(
+    placements.iter().find(|p| p.place.split(", ").any(|one| one == place)).map_or_else(
         || place.to_string(),
         |p| {
             let travel = p.direction;

@@ -49,8 +49,7 @@ impl<'a> Task<'a> {
     /// Machine coordinates of the reference points, as they stand in files and preconditions.
     pub(crate) fn reference_text(&self) -> String {
         let text = |(axis, machine): (Axis, &Option<MachineAxis>)| {
-            let reference = machine.as_ref()?.reference.mm();
-            Some(format!("{axis} {} mm", trimmed(reference, 6)))
+            Some(format!("{axis} {} mm", trimmed(machine.as_ref()?.reference.mm(), 6)))
         };
         let texts: Vec<String> = self.job.machine.axes.iter().filter_map(text).collect();
         texts.join(", ")
@@ -153,8 +152,7 @@ impl Plan {
     /// The physical axis by which a table is looked up: an axis that corrects itself is its own base, also each
     /// axis of a gantry; otherwise it is the first physical axis of the moving axis.
     pub(crate) fn base_of<'a>(&'a self, term: ErrorTerm, output: &'a str) -> &'a str {
-        let base = self.names[term.along].first();
-        base.filter(|_| term.is_cross()).map_or(output, String::as_str)
+        self.names[term.along].first().filter(|_| term.is_cross()).map_or(output, String::as_str)
     }
 
     /// Whether an axis corrects itself by a table for each direction.

@@ -62,25 +62,19 @@ fn unknown(word: &str) -> Problem {
 fn meant(word: &str) -> Option<(&'static str, String)> {
     let full_name = |id: &str| profile(id).map(|known| known.name).unwrap_or_default();
     let parts = parts(word);
-    let mut best: Option<(usize, &'static str)> = None;
-    for id in ids() {
-        let known = self::parts(&format!("{id} {}", full_name(id)));
-        let shared = parts.iter().filter(|part| known.contains(part));
-        let shared: Vec<&String> = shared.collect();
-        let with_digit = |part: &&String| part.contains(|c: char| c.is_ascii_digit());
-        let better = best.is_none_or(|(most, _)| shared.len() > most);
-        if shared.iter().any(with_digit) && better {
-            best = Some((shared.len(), id));
-        }
-    }
-    let joined = |id: &str| self::parts(&format!("{id} {}", full_name(id))).concat();
-    let model = Some(parts.concat()).filter(|word| word.contains(|c: char| c.is_ascii_digit()));
-    let of_model = || {
-        let model = model.as_deref()?;
-        ids().into_iter().find(|id| joined(id).contains(model))
+    let known = |id: &str| self::parts(&format!("{id} {}", full_name(id)));
+    let has_digit = |part: &String| part.contains(|c: char| c.is_ascii_digit());
+    let shared = |id: &&'static str| {
+        let known = known(id);
+        let shared: Vec<&String> = parts.iter().filter(|part| known.contains(part)).collect();
+        if shared.iter().any(|part| has_digit(part)) { shared.len() } else { 0 }
     };
-    let id = best.map(|(_, id)| id).or_else(of_model);
-    let id = id.or_else(|| nearest(word, ids()))?;
+    let best = ids().into_iter().rev().max_by_key(shared).filter(|id| shared(id) > 0); // the first of equal ones
+    let model = Some(parts.concat()).filter(has_digit);
+    let of_model = || {
+        ids().into_iter().find(|id| known(id).concat().contains(model.as_deref().unwrap_or("/")))
+    };
+    let id = best.or_else(of_model).or_else(|| nearest(word, ids()))?;
     Some((id, full_name(id)))
 }
 

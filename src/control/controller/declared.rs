@@ -234,8 +234,7 @@ impl DeclaredFacts {
 
     /// The axes of a factor: the one that is looked up, and the one that is corrected.
     pub(crate) fn axes_of(&self, factor: &str) -> Option<[String; 2]> {
-        let own = self.factors().iter().find(|own| own.name == factor)?;
-        Some(own.axes().map(str::to_string))
+        Some(self.factors().iter().find(|own| own.name == factor)?.axes().map(str::to_string))
     }
 
     /// What a table of these axes means.

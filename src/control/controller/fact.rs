@@ -279,8 +279,7 @@ words! {
 impl Role {
     /// The role of a word in a profile or a manifest.
     pub(crate) fn of_word(word: &str) -> Option<Role> {
-        let own = Role::WORDS.iter().find(|(own, _)| *own == word);
-        own.map(|(_, role)| *role)
+        Role::WORDS.iter().find(|(own, _)| *own == word).map(|(_, role)| *role)
     }
 
     /// Whether the file stands beside the kit: a control loads it instead of the tables, never
@@ -434,16 +433,14 @@ impl<'a> Facts<'a> {
     /// The value of a fact that was read, as it is written.
     pub(super) fn written(&self, name: &str) -> Option<String> {
         let statements = self.statements.borrow();
-        let own = statements.iter().find(|statement| statement.fact == name)?;
-        Some(own.value.clone())
+        Some(statements.iter().find(|statement| statement.fact == name)?.value.clone())
     }
 
     /// Tells of a number beyond what the program can write or a control can mean.
     pub(super) fn expect(&self, name: &str, is_right: bool, expected: &str) {
         if !is_right {
             let message = format!("`{name}` is out of range, expected {expected}");
-            let help = "check the number and its source";
-            self.section.problem(name, message, help);
+            self.section.problem(name, message, "check the number and its source");
         }
     }
 
@@ -517,8 +514,7 @@ pub(super) fn origin(section: &Section<'_>) -> Option<Fact<()>> {
 /// The same, with a consequence where it is assumed.
 fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
     let origin = origin(section);
-    let is_assumed = section.text("evidence").as_deref() == Some(Evidence::Assumed.word());
-    if is_assumed {
+    if section.text("evidence").as_deref() == Some(Evidence::Assumed.word()) {
         section.require("consequence", "what happens on the machine if the assumption is wrong");
     }
     origin

@@ -60,15 +60,13 @@ impl Size {
 
     /// The word of a unit of length; `None` = counts.
     pub(crate) fn word(self) -> Option<&'static str> {
-        let own = SIZES.iter().find(|(_, own)| *own == self && !own.is_of_axis);
-        own.map(|(word, _)| *word)
+        SIZES.iter().find(|(_, own)| *own == self && !own.is_of_axis).map(|(word, _)| *word)
     }
 }
 
 impl Stated for Size {
     fn read(fact: &Section<'_>) -> Option<Self> {
-        let is_text = fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\'']));
-        if !is_text {
+        if !fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\''])) {
             return fact.positive("value").map(Size::fixed);
         }
         let in_units = |text: String| {

@@ -47,8 +47,7 @@ fn pages_below(own: &str, pages: PageFinder<'_>) -> Vec<&'static str> {
 
 fn text_of(page: &str, key: &str) -> Option<String> {
     let table = DeTable::parse(page).ok()?;
-    let text = table.get_ref().get(key)?.get_ref().as_str()?;
-    Some(text.to_string())
+    Some(table.get_ref().get(key)?.get_ref().as_str()?.to_string())
 }
 
 /// What a page takes of the one below: what it does not state. Facts are taken one by one, whole; `mechanism`, which
@@ -174,8 +173,7 @@ impl Profile {
 
     /// How the characters of the control's files are stored.
     pub(crate) fn encoding(&self) -> Encoding {
-        let stated = self.encoding.as_ref();
-        stated.map_or(Encoding::Utf8, |fact| fact.value)
+        self.encoding.as_ref().map_or(Encoding::Utf8, |fact| fact.value)
     }
 }
 
@@ -249,8 +247,7 @@ fn family(root: &Section<'_>) -> Option<Known> {
 /// `[display]`: where the control shows the correction that acts.
 fn display(section: &Section<'_>) -> Option<Fact<String>> {
     let value = section.required_text("value", "the name of the display");
-    let origin = origin(section);
-    Some(origin?.with(value?))
+    Some(origin(section)?.with(value?))
 }
 
 /// Three names that every control can show.

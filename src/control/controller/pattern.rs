@@ -93,8 +93,7 @@ impl Pattern {
         let built = builder.build(&format!("^(?:{text})$"));
         let regex = built.map_err(|error| why(&error).unwrap_or_else(|| too_large(left)))?;
         // A search keeps two lists of states, each state with the places of all groups.
-        let groups = regex.captures_len();
-        let rest = left.checked_sub(regex.memory_usage() * (1 + groups));
+        let rest = left.checked_sub(regex.memory_usage() * (1 + regex.captures_len()));
         *left = rest.ok_or_else(|| too_large(left))?;
         if regex.is_match("") {
             return Err("takes an empty line, which means nothing".to_string());
@@ -113,8 +112,7 @@ impl Pattern {
                 "says something of a table {number} without `table{number}`, `base{number}`, `output{number}` or `axis{number}`"
             ));
         }
-        let text = text.to_string();
-        Ok(Pattern { text, regex, fields })
+        Ok(Pattern { text: text.to_string(), regex, fields })
     }
 
     /// The fields that it can have.

@@ -26,8 +26,7 @@ impl Parameter {
     pub(crate) fn all() -> impl Iterator<Item = Parameter> {
         let deviations = ErrorTerm::ALL.into_iter().map(Parameter::Deviation);
         let angles = Rotation::all().map(Parameter::Angle);
-        let turned = Rotation::all().map(Parameter::Turned);
-        deviations.chain(angles).chain(turned)
+        deviations.chain(angles).chain(Rotation::all().map(Parameter::Turned))
     }
 
     /// The axis whose position it depends on; `None` of a constant.

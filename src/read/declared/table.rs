@@ -23,8 +23,7 @@ struct Row {
 
 impl Row {
     fn of(&self, field: Field) -> Option<f64> {
-        let own = self.fields.iter().find(|(own, _)| *own == field)?;
-        Some(own.1.0)
+        Some(self.fields.iter().find(|(own, _)| *own == field)?.1.0)
     }
 }
 
@@ -108,8 +107,7 @@ impl<'a> Draft<'a> {
     }
 
     fn head(&self, field: Field) -> Option<&Placed> {
-        let own = self.header.iter().find(|(own, _)| *own == field);
-        own.map(|(_, placed)| placed)
+        self.header.iter().find(|(own, _)| *own == field).map(|(_, placed)| placed)
     }
 
     /// The table, once all lines are read.
@@ -195,8 +193,7 @@ impl<'a> Draft<'a> {
                 let head = |field| self.head(field).map(|placed| placed.0);
                 let start = head(Field::Start).ok_or_else(|| missing("start"))?;
                 let spacing = head(Field::Spacing).ok_or_else(|| missing("spacing"))?;
-                let decimals = facts.position_decimals.value;
-                Ok(rounded(start + index as f64 * spacing, decimals))
+                Ok(rounded(start + index as f64 * spacing, facts.position_decimals.value))
             }
         }
     }

@@ -109,8 +109,7 @@ pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) 
 /// The blocks of a record, blank ones left out.
 pub(super) fn blocks(text: &str, record: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let mut at = record.start.min(record.end);
-    let pieces = text[at..record.end].split('\n');
-    let spans = pieces.map(move |piece| {
+    let spans = text[at..record.end].split('\n').map(move |piece| {
         let start = at;
         at += piece.len() + 1;
         start..start + piece.trim_end_matches(BLANKS).len()
@@ -189,8 +188,7 @@ impl Words<'_> {
         match text.parse() {
             Ok(number) => Ok(Some((number, start..span.end))),
             Err(_) => {
-                let message = format!("the number `{text}` is too large");
-                Err(Complaint::new(span, message, GRAMMAR_HELP))
+                Err(Complaint::new(span, format!("the number `{text}` is too large"), GRAMMAR_HELP))
             }
         }
     }
@@ -206,8 +204,7 @@ impl Words<'_> {
             "1" => Ok(Some(false)),
             other => {
                 let message = format!("the data identifier `Q{other}` is neither `Q0` nor `Q1`");
-                let help = "`Q0` marks pitch data, `Q1` a parameter";
-                Err(Complaint::new(span, message, help))
+                Err(Complaint::new(span, message, "`Q0` marks pitch data, `Q1` a parameter"))
             }
         }
     }

@@ -62,7 +62,7 @@ pub(super) fn control(
     refuse_shared(&runs)?;
     let pairs =
         pairs.into_iter().map(|((base, output), ways)| Pair { base, output, ways: ways.map(Ok) });
-    PairControl::new(pairs.collect(), false, state)
+    Ok(PairControl { pairs: pairs.collect(), replaces_backlash: false, state: state.clone() })
 }
 
 /// Axes of which the kit writes a pitch parameter.

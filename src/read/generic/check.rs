@@ -87,8 +87,7 @@ pub(super) struct Flaw {
 
 impl Flaw {
     fn new(row: usize, column: &'static str, message: String, help: impl Into<String>) -> Flaw {
-        let help = help.into();
-        Flaw { row, column, message, help }
+        Flaw { row, column, message, help: help.into() }
     }
 }
 
@@ -145,8 +144,7 @@ fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, String, &
     for (column, name) in [("base_axis", &row.base_axis), ("output_axis", &row.output_axis)] {
         if !is_name(name) {
             let message = format!("`{column}` is `{name}`, expected the name of an axis");
-            let help = "write the control's name of the axis, as in the job";
-            flaw(column, message, help);
+            flaw(column, message, "write the control's name of the axis, as in the job");
         }
     }
 }
@@ -158,8 +156,7 @@ fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, String, &s
         let message = format!(
             "`correction_um` is {correction}, expected {opposite}, the opposite of the deviation"
         );
-        let help = "a correction cancels the deviation of its row exactly";
-        flaw("correction_um", message, help);
+        flaw("correction_um", message, "a correction cancels the deviation of its row exactly");
     }
     let (message, help) = match (row.index, row.increment_um) {
         (0, Some(um)) => (
@@ -181,8 +178,7 @@ fn relations(rows: &[Row]) -> Vec<Flaw> {
     let mut blocks = Blocks::new();
     for (number, row) in rows.iter().enumerate() {
         let axes = [&row.base_axis, &row.output_axis].map(|name| name.to_ascii_uppercase());
-        let block = blocks.entry((row.term(), axes, row.way())).or_default();
-        block.push(number);
+        blocks.entry((row.term(), axes, row.way())).or_default().push(number);
     }
     for block in blocks.values() {
         let before = flaws.len();
@@ -236,8 +232,7 @@ fn names(rows: &[Row]) -> Vec<Flaw> {
             ("base_axis", row.base_axis.as_str(), term.along),
             ("output_axis", row.output_axis.as_str(), term.of),
         ] {
-            let met = known.iter().find(|(met, _)| met.eq_ignore_ascii_case(name));
-            match met {
+            match known.iter().find(|(met, _)| met.eq_ignore_ascii_case(name)) {
                 None if known.len() == MOST_AXES => {
                     let message = format!("`{name}` is another axis, expected at most {MOST_AXES}");
                     let help = "no control has so many: check that this is a table of corrections";

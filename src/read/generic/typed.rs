@@ -11,8 +11,8 @@ use super::rows::{Cells, columns, place_among, wrong_count};
 use crate::control::controller::TypedValue;
 use crate::quantity::rounded;
 use crate::text::{
-    LengthUnit, Line, MOST_ROWS, Problem, Problems, Source, header_and_rows, refuse_many_columns,
-    shown,
+    LengthUnit, Line, MOST_ROWS, Problem, Problems, Source, Word, header_and_rows,
+    refuse_many_columns, shown,
 };
 use std::collections::BTreeMap;
 
@@ -28,13 +28,7 @@ const COLUMNS: [&str; 9] = [
     "position_mm",
     "seen",
 ];
-/// What the values are, and in which unit with how many µm; their column is called by both, a list has one.
-const KINDS: [(&str, TypedValue); 4] = [
-    ("deviation", TypedValue::Deviation),
-    ("correction", TypedValue::Correction),
-    ("increment", TypedValue::Increment),
-    ("outward_increment", TypedValue::Outward),
-];
+/// The units of values, with their µm; a column is called by what its values are and their unit, a list has one.
 const UNITS: [(&str, f64); 4] = [
     ("um", LengthUnit::Um.um()),
     ("mm", LengthUnit::Mm.um()),
@@ -71,8 +65,7 @@ pub(super) fn read(
         return Err(Problem::new(format!("`{file}` is empty")).into());
     };
     let columns = Columns::of(&header, held)?;
-    let too_many = wrong_count(lines.len().min(MOST_ROWS + 1));
-    if let Some(problem) = too_many {
+    if let Some(problem) = wrong_count(lines.len().min(MOST_ROWS + 1)) {
         return Err(problem.at(header.whole()).into());
     }
     let mut points = Problems::all(lines.iter().map(|line| point(*line, &columns)))?;
@@ -108,9 +101,10 @@ impl Columns {
     fn of(header: &Line<'_>, held: Option<&str>) -> Result<Columns, Problems> {
         const HELP: &str = "take the whole file";
         refuse_many_columns(header, HELP)?;
-        let all = UNITS
-            .into_iter()
-            .flat_map(|unit| KINDS.map(|(word, kind)| (format!("{word}_{}", unit.0), kind, unit)));
+        let all = UNITS.into_iter().flat_map(|unit| {
+            let kinds = TypedValue::WORDS.iter();
+            kinds.map(move |(word, kind)| (format!("{word}_{}", unit.0), *kind, unit))
+        });
         let is_taken = |name: &str, unit| held.map_or(unit != COUNT, |held| held == name);
         let all: Vec<_> = all.filter(|(name, _, (unit, _))| is_taken(name, *unit)).collect();
         let values: Vec<&str> = all.iter().map(|(name, ..)| name.as_str()).collect();

@@ -120,8 +120,7 @@ impl IsgControl {
 
     /// What the angles of an axis do to another as the axes behind it leave their rest, µm: at a place, or at most.
     fn swing_by(&self, along: Axis, of: Axis, at: Option<&PerAxis<f64>>) -> f64 {
-        let behind = self.beside(along, true).filter(|axis| *axis != of);
-        let um = behind.map(|arm| match at {
+        let um = self.beside(along, true).filter(|axis| *axis != of).map(|arm| match at {
             Some(at) => {
                 let way = unit(arm).times(at[arm] - self.rest(arm));
                 self.angles_at(along, at[along]).cross(way)[of]
@@ -153,8 +152,7 @@ impl IsgControl {
     /// What `of` gets for angles and constants while `along` stands at a place, the others at rest, µm.
     fn swung(&self, of: Axis, along: Axis, at: f64) -> f64 {
         let swung = self.angles_at(along, at).cross(self.arm(along));
-        let way = unit(along).times(at - self.origin[along]);
-        let tilted = self.tilt(along).cross(way);
+        let tilted = self.tilt(along).cross(unit(along).times(at - self.origin[along]));
         let um = swung.plus(tilted)[of] / MM_PER_M;
         if self.tables.negated[of] { -um } else { um }
     }
@@ -166,8 +164,7 @@ impl IsgControl {
         let angles = Axis::ALL.into_iter().filter_map(angle).filter(|_| swings);
         let points = angles.flat_map(|curve| &curve.points);
         let mut places: Vec<f64> = points.map(|point| point.position).collect();
-        let is_tilted = self.tilt(along).length() > 0.0;
-        if let (true, Some(own)) = (is_tilted, &self.axes[along]) {
+        if let (true, Some(own)) = (self.tilt(along).length() > 0.0, &self.axes[along]) {
             places.extend([own.travel.0.mm(), own.travel.1.mm()]);
         }
         places.sort_by(f64::total_cmp);
@@ -182,8 +179,7 @@ impl Emulator for IsgControl {
         let name = |axis: Axis| self.tables.axes[axis].map(|number| number.to_string());
         let pair =
             |(term, _): (ErrorTerm, &Option<Response>)| Some((name(term.along)?, name(term.of)?));
-        let deviations = self.deviations.iter().filter(|(_, own)| own.is_some());
-        deviations.filter_map(pair).collect()
+        self.deviations.iter().filter(|(_, own)| own.is_some()).filter_map(pair).collect()
     }
 
     fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
@@ -207,8 +203,7 @@ impl Emulator for IsgControl {
     }
 
     fn rotation(&self, base: &str, about: Axis) -> Option<Response> {
-        let along = self.tables.axis(base)?;
-        self.angles[Rotation { about, along }].clone()
+        self.angles[Rotation { about, along: self.tables.axis(base)? }].clone()
     }
 
     fn swing(&self, output: &str, at: Option<PerAxis<f64>>) -> f64 {
@@ -228,8 +223,7 @@ impl Emulator for IsgControl {
 fn response(curve: &Curve, sign: TableSign) -> Option<Response> {
     let points = curve.points.iter();
     let mm: Vec<f64> = points.clone().map(|point| point.position).collect();
-    let per_unit = curve.parameter.per_unit();
-    let values = points.map(|point| sign.correction(point.value * per_unit));
+    let values = points.map(|point| sign.correction(point.value * curve.parameter.per_unit()));
     Response::straight(&mm, &values.collect::<Vec<Correction>>())
 }
 

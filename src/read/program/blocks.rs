@@ -67,8 +67,7 @@ pub struct OwnWords<'a> {
 impl OwnWords<'_> {
     fn axis(&self, letter: char) -> Option<Axis> {
         let mut letters = Axis::ALL.into_iter().zip(self.letters);
-        let found = letters.find(|(_, own)| own.starts_with(letter));
-        found.map(|(axis, _)| axis)
+        letters.find(|(_, own)| own.starts_with(letter)).map(|(axis, _)| axis)
     }
 }
 
@@ -215,8 +214,7 @@ impl Reader<'_> {
         if said.dwell {
             said.actions.push(self.dwell(&said)?);
         } else if !said.of_axes {
-            let moves = self.motion(&said)?;
-            said.actions.extend(moves);
+            said.actions.extend(self.motion(&said)?);
         }
         let cancels = |action: &Action| matches!(action, Action::Cancel(_));
         if said.actions.len() > 1 && !said.actions.iter().all(cancels) {
@@ -304,8 +302,7 @@ impl Reader<'_> {
             (Some(true), Some(true), machine) if machine == with_increments => {
                 let feed = self.modal.feed.filter(|_| self.modal.per_minute);
                 let feed = feed.ok_or("a move without a feed per minute")?;
-                let by = PerAxis::from_fn(|axis| place[axis].unwrap_or(0.0));
-                Ok(Some(Action::By(by, feed)))
+                Ok(Some(Action::By(PerAxis::from_fn(|axis| place[axis].unwrap_or(0.0)), feed)))
             }
             _ => Err("a measuring run moves to machine coordinates at rapid traverse, then by increments at a feed; this is neither".to_string()),
         }

@@ -333,8 +333,7 @@ pub(crate) fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String
     if groups.len() != forms.len() {
         return vec![format!("{} files of readings, expected {}", forms.len(), groups.len())];
     }
-    let pairs = groups.into_iter().zip(forms);
-    let wrong = pairs.filter(|(group, form)| !is_form_of(group, form));
+    let wrong = groups.into_iter().zip(forms).filter(|(group, form)| !is_form_of(group, form));
     let words = |row: &Position| {
         let name = row.of.name();
         format!("the file of readings that begins with {name} has other rows than positions.csv")

@@ -279,8 +279,7 @@ fn unknown(set: &Assignment<'_>) -> Complaint {
         Some(known) => format!("did you mean `${known}`?"),
         None => "only variables of ENC_COMP and CEC and their machine data are read".to_string(),
     };
-    let message = format!("unknown variable `${}`", set.name);
-    Complaint::new(set.head.clone(), message, help)
+    Complaint::new(set.head.clone(), format!("unknown variable `${}`", set.name), help)
 }
 
 // What a control wrote of itself: what the lines of its files say of the compensation.
@@ -351,8 +350,7 @@ pub(super) enum Concern {
 /// What a line is to the compensation, and its code.
 pub(super) fn concern(text: &str, line: &Range<usize>) -> (Concern, Range<usize>) {
     let code = code_of(text, line);
-    let without = without_checksum(&text[code.clone()]);
-    let code = code.start..code.start + without.len();
+    let code = code.start..code.start + without_checksum(&text[code.clone()]).len();
     let mut cursor = Cursor::new(text, code.clone(), BLANKS);
     cursor.peek_word();
     block_number(&mut cursor);

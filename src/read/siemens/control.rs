@@ -41,12 +41,9 @@ pub(super) fn control(
     facts: &SiemensFacts,
     state: &ControlState,
 ) -> Emulated<PairControl> {
-    let loaded = tables.tables.iter().map(|table| {
-        let corrections = nodes(table, facts, state.unit)?;
-        Ok(Loaded { table, corrections })
-    });
+    let load = |table| Ok(Loaded { table, corrections: nodes(table, facts, state.unit)? });
     let memory = Memory {
-        tables: loaded.collect::<Result<_, _>>()?,
+        tables: tables.tables.iter().map(load).collect::<Result<_, _>>()?,
         facts,
         um_per_unit: state.unit.in_mm() * UM_PER_MM,
     };
@@ -259,9 +256,10 @@ fn nodes(table: &SiemensTable, facts: &SiemensFacts, unit: ControlUnit) -> Emula
     let corrections: Vec<Correction> = numbers_um.iter().map(|um| sign.correction(*um)).collect();
     let [start, step] =
         [table.grid.min, table.grid.step].map(|length| Millimetres::new(length * unit.in_mm()));
-    let nodes = NodeTable::new(start, step, &corrections, Between::Linear)
+    let mut nodes = NodeTable::new(start, step, &corrections, Between::Linear)
         .ok_or_else(|| fault("has no usable grid"))?;
-    Ok(if table.modulo { nodes.repeating() } else { nodes })
+    nodes.modulo = table.modulo;
+    Ok(nodes)
 }
 
 /// The table is one that the control has, with as many points as its grid and the control hold.

@@ -127,8 +127,7 @@ impl Memory {
         }
         match value {
             Ok(value) => {
-                let placed = Placed { value, span: set.value_span.clone() };
-                if draft.put(cell, placed, self.writer) {
+                if draft.put(cell, Placed { value, span: set.value_span.clone() }, self.writer) {
                     self.all.twice.insert(set.variable());
                 }
             }
@@ -244,8 +243,7 @@ impl Draft {
 
     /// Points from this one on.
     fn points(&self, first: u32) -> impl Iterator<Item = (u32, &Placed)> {
-        let cells = self.cells.range(("", first)..=("", u32::MAX));
-        cells.map(|((_, point), placed)| (*point, placed))
+        self.cells.range(("", first)..=("", u32::MAX)).map(|((_, point), placed)| (*point, placed))
     }
 
     /// Adds the table to what the file holds; a control writes tables that nobody filled, too.
@@ -354,8 +352,7 @@ impl Draft {
         }
         if steps >= MOST_POINTS {
             let message = format!("{name} would have {steps:.0} points");
-            let help = "no control holds so many; correct MIN, STEP or MAX";
-            return Err(("_STEP", message, help));
+            return Err(("_STEP", message, "no control holds so many; correct MIN, STEP or MAX"));
         }
         let last = grid.last_whole_point();
         if last >= 1 && grid.is_whole() {

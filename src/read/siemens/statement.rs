@@ -128,8 +128,7 @@ pub(super) fn check_characters(
         if is_unseen(c) && c != '\t' {
             let kind = if c.is_control() { "control " } else { "" };
             let message = format!("{kind}character U+{:04X} in the file", u32::from(c));
-            let help = "transfer the file again as plain text";
-            return Err(Complaint::new(span, message, help));
+            return Err(Complaint::new(span, message, "transfer the file again as plain text"));
         }
         if !c.is_ascii() && at < code.end {
             let message = format!("`{c}` is not an ASCII character");
@@ -224,13 +223,11 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     let head = start..cursor.at;
     if cursor.eat("=").is_none() {
         let message = format!("`=` is missing after `{}`", cursor.text(head));
-        let help = "write `$VARIABLE[index]=value`";
-        return Err(Complaint::new(cursor.here(), message, help));
+        return Err(Complaint::new(cursor.here(), message, "write `$VARIABLE[index]=value`"));
     }
     cursor.peek_word();
     let value_span = cursor.rest();
-    let value = value(cursor);
-    Ok(Assignment { name, head, indices, value_span, value })
+    Ok(Assignment { name, head, indices, value_span, value: value(cursor) })
 }
 
 /// Room for a measuring system, a point and an axis; what does not fit the variable is complained
@@ -265,8 +262,7 @@ fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
     let span = cursor.rest();
     let text = cursor.text(span.clone());
     let refuse = |message: &str, help| {
-        let message = format!("`{text}` {message}");
-        Err(Complaint::new(span.clone(), message, help))
+        Err(Complaint::new(span.clone(), format!("`{text}` {message}"), help))
     };
     match cursor.peek() {
         Some(open @ ('(' | '"')) => {

@@ -247,8 +247,7 @@ const ANY: &str = "";
 /// Notes the longest list, map or text of each of these names in a value.
 fn measure(name: &str, value: &tera::Value, longest: &mut [(&str, Option<u64>)]) {
     for (_, known) in longest.iter_mut().filter(|(own, _)| *own == name || *own == ANY) {
-        let length = value.len().map_or(0, |length| length as u64);
-        *known = Some(length).max(*known);
+        *known = Some(value.len().map_or(0, |length| length as u64)).max(*known);
     }
     for item in value.as_array().into_iter().flatten() {
         measure(LISTED, item, longest);

@@ -185,8 +185,7 @@ impl<'a> Gates<'a> {
             // Rounding of the sum may lose one; one to spare on each side.
             let (from, to) = (whole((wanted - limit).floor()), whole((wanted + limit).ceil()));
             let first = (from..=from + 2).find(is_near)?;
-            let last = (to - 2..=to).rev().find(is_near)?;
-            Some((first, last))
+            Some((first, (to - 2..=to).rev().find(is_near)?))
         };
         let spans: Option<Vec<(i64, i64)>> = side.wanted.iter().map(near).collect();
         Some(Gates { side, limit, spans: spans? })
@@ -195,8 +194,7 @@ impl<'a> Gates<'a> {
     /// The first chain of so many pieces, smaller nodes of the table first.
     fn chain(&self, pieces: usize) -> Option<Chain> {
         let mut knots = vec![(0, 0)];
-        let ends = self.ends(pieces)?;
-        self.place(&ends, &mut knots).then(|| Chain {
+        self.place(&self.ends(pieces)?, &mut knots).then(|| Chain {
             residual: knots.windows(2).map(|p| self.left(p[0], p[1])).fold(0.0, f64::max),
             knots,
         })
@@ -212,8 +210,7 @@ impl<'a> Gates<'a> {
         let works = |node: usize, amount: &i64| self.keeps((0, 0), (node, *amount));
         let inner = from_reference.into_iter().filter(|(node, ..)| *node < end);
         let inner = inner.map(|(node, low, high)| {
-            let amounts = self.amounts(node, low, high);
-            (node, amounts.filter(|a| works(node, a)).collect())
+            (node, self.amounts(node, low, high).filter(|a| works(node, a)).collect())
         });
         let inner: Vec<(usize, Vec<i64>)> = inner.collect();
         let outer: Vec<Vec<i64>> = (0..end).map(|node| self.reaching_the_end(node)).collect();
@@ -257,8 +254,7 @@ impl<'a> Gates<'a> {
         let end = self.side.wanted.len() - 1;
         let reaches = |amount: &i64| {
             let from = (node, *amount);
-            let at_end = self.reach(from).find(|(to, ..)| *to == end);
-            at_end.is_some_and(|(_, low, high)| {
+            self.reach(from).find(|(to, ..)| *to == end).is_some_and(|(_, low, high)| {
                 self.amounts(end, low, high).any(|a| self.keeps(from, (end, a)))
             })
         };
@@ -326,8 +322,7 @@ impl<'a> Gates<'a> {
 
     /// What a piece leaves.
     fn left(&self, inner: Knot, outer: Knot) -> f64 {
-        let left = (inner.0..=outer.0).map(|node| self.left_at(node, inner, outer));
-        left.fold(0.0, f64::max)
+        (inner.0..=outer.0).map(|node| self.left_at(node, inner, outer)).fold(0.0, f64::max)
     }
 
     fn left_at(&self, node: usize, inner: Knot, outer: Knot) -> f64 {

@@ -105,8 +105,7 @@ pub(super) fn runs(
     let blocks = &facts.pitch_points.value;
     let stated = |run: &Run| {
         let first_axis = plan.names[run.axis].first()?;
-        let first_point = task.settings(run.axis)?.first_point;
-        first_point.filter(|_| *first_axis == run.id.to_string())
+        task.settings(run.axis)?.first_point.filter(|_| *first_axis == run.id.to_string())
     };
     for run in &mut runs {
         let Some(first) = stated(run) else { continue };

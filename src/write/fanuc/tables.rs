@@ -62,8 +62,7 @@ impl<'a> Writer<'a> {
     }
 
     fn refuse(&mut self, path: &str, message: String, help: &str) {
-        let problem = self.task.job.problem_at(path, message);
-        self.problems.push(problem.help(help));
+        self.problems.push(self.task.job.problem_at(path, message).help(help));
     }
 
     fn refuse_steep(&mut self, planned: &PlannedTable, unit_um: f64) {
@@ -315,8 +314,7 @@ fn magnify(
 
 /// Largest change between two points, µm; of either sense of the table.
 fn steepest(planned: &PlannedTable) -> f64 {
-    let changes = planned.values.windows(2).map(|pair| (pair[1] - pair[0]).um().abs());
-    changes.fold(0.0, f64::max)
+    planned.values.windows(2).map(|pair| (pair[1] - pair[0]).um().abs()).fold(0.0, f64::max)
 }
 
 /// Totals at the nodes of a grid in counts.

@@ -154,8 +154,7 @@ fn protected_number(task: RunTask<'_>, programs: usize) -> Option<RunFinding> {
 
 fn unchecked(task: RunTask<'_>) -> Option<RunFinding> {
     let mut axes = moving(task.request);
-    let stated = &task.job.machine.axes;
-    axes.retain(|axis| stated[*axis].is_none_or(|axis| axis.max_feed.is_none()));
+    axes.retain(|axis| task.job.machine.axes[*axis].is_none_or(|axis| axis.max_feed.is_none()));
     (!axes.is_empty()).then_some(RunFinding::FeedNotChecked { axes })
 }
 
@@ -230,8 +229,7 @@ fn largest_box(task: RunTask<'_>) -> String {
         let (low, high) = reach(task, axis);
         let (before, after) = (start - low, high - start - size);
         let first = resolution.at_least(travel.low.mm() + before);
-        let last = resolution.at_most(travel.high.mm() - after);
-        let step = (last - first) / steps;
+        let step = (resolution.at_most(travel.high.mm() - after) - first) / steps;
         (step > 0).then(|| (resolution.mm(first), resolution.mm(step * steps)))
     });
     let Some(PerAxis { x, y, z }) = fitted.all() else {

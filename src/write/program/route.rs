@@ -28,8 +28,7 @@ pub(super) fn programs(request: &ProgramRequest, scale: &Scale) -> Vec<SetUpProg
     };
     let program = |route| {
         let here = PerAxis::default();
-        let walk = Walk { request, scale, route, here, moves: Vec::new(), readings: Vec::new() };
-        walk.whole()
+        Walk { request, scale, route, here, moves: Vec::new(), readings: Vec::new() }.whole()
     };
     routes.iter().map(program).collect()
 }
@@ -97,8 +96,7 @@ impl Walk<'_> {
             self.align(before);
         }
         let name = self.route.subject;
-        let zero = format!("{name} NODE 0: ZERO THE LASER, CYCLE START");
-        self.moves.push(Move::Stop(zero));
+        self.moves.push(Move::Stop(format!("{name} NODE 0: ZERO THE LASER, CYCLE START")));
         for run in 1..=self.request.runs {
             self.run(run);
         }
@@ -159,8 +157,7 @@ impl Walk<'_> {
     }
 
     fn to(&mut self, place: PerAxis<Digits>) {
-        let by = PerAxis::from_fn(|axis| place[axis] - self.here[axis]);
-        self.moves.push(Move::Feed(by));
+        self.moves.push(Move::Feed(PerAxis::from_fn(|axis| place[axis] - self.here[axis])));
         self.here = place;
     }
 

@@ -42,8 +42,7 @@ pub(super) fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
 pub(crate) fn at_reference(state: &ControlState, table: &SiemensTable) -> f64 {
     let reference = state.axis(&table.input_axis).map(|axis| axis.reference.mm());
     let position = reference.map(|mm| mm / state.unit.in_mm());
-    let held = position.and_then(|position| table.grid.nearest(&table.values, position));
-    held.unwrap_or(0.0)
+    position.and_then(|position| table.grid.nearest(&table.values, position)).unwrap_or(0.0)
 }
 
 const K3: &str = "Function Manual Extended Functions 03/2013, K3";

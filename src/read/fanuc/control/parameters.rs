@@ -66,8 +66,7 @@ impl<'a> Loading<'a> {
     /// A whole number that has to lie in `0..=limit`.
     pub(super) fn count(self, number: u32, axis: Option<u32>, limit: u32) -> Emulated<u32> {
         let value = self.integer(number, axis)?;
-        let count = u32::try_from(value).ok().filter(|count| *count <= limit);
-        count.ok_or_else(|| {
+        u32::try_from(value).ok().filter(|count| *count <= limit).ok_or_else(|| {
             let name = name(number, axis);
             CannotEmulate(format!("{name} is {value}, expected 0 to {limit}"))
         })
@@ -77,8 +76,7 @@ impl<'a> Loading<'a> {
     pub(super) fn amount(self, number: u32, axis: Option<u32>, limit: u32) -> Emulated<f64> {
         let value = self.integer(number, axis)?;
         let amount = i32::try_from(value).ok();
-        let amount = amount.filter(|amount| amount.unsigned_abs() <= limit);
-        amount.map(f64::from).ok_or_else(|| {
+        amount.filter(|amount| amount.unsigned_abs() <= limit).map(f64::from).ok_or_else(|| {
             let name = name(number, axis);
             CannotEmulate(format!("{name} is {value}, expected -{limit} to {limit}"))
         })
@@ -110,8 +108,7 @@ impl<'a> Loading<'a> {
     pub(super) fn refuse_others(self) -> Emulated<()> {
         for key in self.memory.parameters.keys() {
             let what = name(key.number, key.axis);
-            let other = OTHERS.iter().find(|(_, ranges)| is_in(ranges, key.number));
-            if let Some((words, _)) = other {
+            if let Some((words, _)) = OTHERS.iter().find(|(_, ranges)| is_in(ranges, key.number)) {
                 return cannot(format!("{what}: {words}"));
             }
             if AXIS_TYPE.contains(&key.number) && key.axis.is_none() {

@@ -76,8 +76,7 @@ impl Grid {
     /// A table with these corrections at the nodes Nmin−1 … Nmax.
     pub(super) fn table(&self, nodes: &[Correction], between: Between) -> Emulated<NodeTable> {
         let below = f64::from(self.zero_node()) * self.interval.mm();
-        let start = self.reference - Millimetres::new(below);
-        NodeTable::new(start, self.interval, nodes, between)
+        NodeTable::new(self.reference - Millimetres::new(below), self.interval, nodes, between)
             .ok_or_else(|| CannotEmulate("the points do not make a table".to_string()))
     }
 }
@@ -111,8 +110,7 @@ fn interval(from: Loading, axis: u32) -> Emulated<Millimetres> {
                 ControlUnit::Millimetre => facts.interval_decimals_mm.value,
                 ControlUnit::Inch => facts.interval_decimals_inch.value,
             };
-            let increments = f64::from(from.count(3624, Some(axis), u32::MAX)?);
-            increments / power_of_ten(decimals)
+            f64::from(from.count(3624, Some(axis), u32::MAX)?) / power_of_ten(decimals)
         }
     };
     if length.is_finite() && length > 0.0 {
@@ -321,8 +319,7 @@ impl Set<'_> {
         if from.holds(moving, None) {
             return Ok(from.integer(moving, None)? == 0);
         }
-        let touched = self.other_parameters().into_iter().any(|number| from.holds(number, None));
-        if touched {
+        if self.other_parameters().into_iter().any(|number| from.holds(number, None)) {
             return self.refuse(format!("{} is missing", name(moving, None)));
         }
         Ok(true)
@@ -362,8 +359,7 @@ impl Set<'_> {
     }
 
     fn correction(self, units: f64, unit_um: f64) -> Correction {
-        let sign = self.from.facts.straightness_sign.value;
-        sign.correction(units * unit_um)
+        self.from.facts.straightness_sign.value.correction(units * unit_um)
     }
 
     /// Rounded to whole units at every point, relative to the reference (docs/fanuc.md §2.4).
@@ -392,8 +388,7 @@ impl Set<'_> {
         }
         if !points.iter().all(|point| grid.points.contains(*point)) {
             let NumberRange { first, last } = grid.points;
-            let what = format!("points {points:?} are not all in {first} to {last}");
-            return self.refuse(what);
+            return self.refuse(format!("points {points:?} are not all in {first} to {last}"));
         }
         let jump = |pair: &[Knot]| {
             pair[0].point == pair[1].point && (pair[0].amount - pair[1].amount).abs() > 0.0
@@ -423,8 +418,7 @@ impl Set<'_> {
         let sums = node_sums(&increments, grid.zero_node()).into_iter();
         let worth = |sum| self.correction(f64::from(magnification) * sum, unit_um);
         let nodes: Vec<Correction> = sums.map(worth).collect();
-        let fraction = facts.output_fraction.value;
-        grid.table(&nodes, Between::Step { fraction })
+        grid.table(&nodes, Between::Step { fraction: facts.output_fraction.value })
     }
 }
 
