@@ -2,7 +2,7 @@
 //! Nothing here moves a machine.
 
 use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, origin_or_rule};
-use crate::text::{Section, Word, section, shown, words};
+use crate::text::{Section, Word, joined, section, shown, words};
 use serde::Serialize;
 
 section! {
@@ -187,8 +187,7 @@ fn filled(text: &str, kit: &KitFacts<'_>) -> String {
             return kit.reference.clone();
         }
         let names = kit.files.iter().filter(|(role, _)| role.word() == word);
-        let names: Vec<String> = names.map(|(_, name)| format!("`{name}`")).collect();
-        names.join(", ")
+        joined(names.map(|(_, name)| format!("`{name}`")))
     };
     pieces(text)
         .into_iter()

@@ -19,7 +19,7 @@ pub use self::check::Row;
 use self::rows::COLUMNS;
 use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::quantity::Direction;
-use crate::text::{Problem, Problems};
+use crate::text::{Problem, Problems, joined};
 
 /// Reads one file: JSON if its first character is `{`, a typed list if it has a column `point`, else CSV.
 ///
@@ -127,9 +127,8 @@ fn first_difference(one: &[Row], other: &[Row]) -> Option<String> {
     let mut pairs = one.iter().zip(other).enumerate();
     if let Some((index, (a, b))) = pairs.find(|(_, (a, b))| a != b) {
         let differ = a.texts().into_iter().zip(b.texts()).zip(COLUMNS).filter(|((a, b), _)| a != b);
-        let what: Vec<String> =
-            differ.map(|((a, b), column)| format!("`{column}` (`{a}` and `{b}`)")).collect();
-        let (row, what) = (index + 1, what.join(", "));
+        let what = joined(differ.map(|((a, b), column)| format!("`{column}` (`{a}` and `{b}`)")));
+        let row = index + 1;
         return Some(format!("row {row} ({}) differs in {what}", a.name()));
     }
     let shorter = one.len().min(other.len());

@@ -58,10 +58,7 @@ pub(super) fn load(
 
 fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emulated<Pair> {
     let (name, form) = own;
-    let mut points = match form.is_factor {
-        true => line(table, base),
-        false => table.points.clone(),
-    };
+    let mut points = if form.is_factor { line(table, base) } else { table.points.clone() };
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
         let response = OneWay { points: &points, value, form }.response(base.reference);

@@ -42,8 +42,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(slips(task.model).into_iter().map(Finding::from));
     notes.extend(references_off_the_travel(task.job, plan).map(Finding::from));
     notes.append(&mut compiled.notes);
-    notes.extend(active_note(&task.job.measurement.active).map(Finding::from));
-    notes.extend(parameter_note(task, plan).map(Finding::from));
+    notes.extend(of_active(task, plan).map(Finding::from));
     compiled.notes = notes;
     compiled.preconditions.extend_from_slice(&task.profile.preconditions);
     Ok(compiled)
@@ -67,27 +66,23 @@ fn references_off_the_travel(job: &Job, plan: &Plan) -> impl Iterator<Item = Tab
     Axis::ALL.into_iter().filter_map(off_the_travel)
 }
 
-/// What the tables suppose of the compensation that was active while measuring.
-fn active_note(active: &ActiveTables) -> Option<TableFinding> {
-    match active {
-        ActiveTables::None | ActiveTables::NotStated => None,
-        ActiveTables::Path(path) => Some(TableFinding::OldAndResidual { path: path.clone() }),
-    }
-}
-
 /// Axes of which the tables replace a backlash parameter that counts as 0 while measuring.
 fn counted_as_zero(job: &Job, plan: &Plan) -> Vec<Axis> {
     let axes = Axis::ALL.into_iter();
     axes.filter(|axis| plan.sets_backlash(*axis) && counts_as_zero(job, *axis)).collect()
 }
 
-/// What `"none"` says of the backlash parameters that the tables replace.
-fn parameter_note(task: Task<'_>, plan: &Plan) -> Option<TableFinding> {
-    let job = task.job;
-    let axes = counted_as_zero(job, plan);
-    let parameter = task.profile.family.backlash_parameter;
-    let is_noted = !axes.is_empty() && job.measurement.active == ActiveTables::None;
-    is_noted.then_some(TableFinding::ParameterReplaced { parameter, axes })
+/// What of the control was active while measuring, and what the kit makes of it.
+fn of_active(task: Task<'_>, plan: &Plan) -> Option<TableFinding> {
+    let (parameter, axes) =
+        (task.profile.family.backlash_parameter, counted_as_zero(task.job, plan));
+    match &task.job.measurement.active {
+        ActiveTables::Path(path) => Some(TableFinding::OldAndResidual { path: path.clone() }),
+        ActiveTables::None if !axes.is_empty() => {
+            Some(TableFinding::ParameterReplaced { parameter, axes })
+        }
+        _ => None,
+    }
 }
 
 /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.

@@ -15,7 +15,7 @@ use crate::quantity::{
     Axis, Deviation, Direction, ErrorTerm, Millimetres, Nodes, UM_PER_MM, power_of_ten, residual,
     rounded,
 };
-use crate::text::{Finding, Problems};
+use crate::text::{Problems, joined};
 use crate::write::control_text::{Seen, fixed, seen, with};
 use crate::write::family::{
     Compiled, Emitted, Family, Placement, ProofOf, backlash_parameter, backlash_text,
@@ -46,7 +46,13 @@ impl Family for DeclaredFacts {
     }
 
     fn refuses(&self, term: ErrorTerm) -> Option<String> {
-        self.without_factor(term)
+        let mut factors = self.factors.as_ref()?.value.iter();
+        let why = match &self.no_factor {
+            _ if term.is_positioning() => "a skew correction holds squareness alone",
+            Some(why) => &why.value,
+            None => "no factor of this control takes it; a squareness in this slope stays",
+        };
+        (!factors.any(|own| own.term == term)).then(|| why.to_string())
     }
 
     /// Positions are in the unit of the profile, whatever the control is in.
@@ -73,10 +79,7 @@ impl Family for DeclaredFacts {
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
-        match self.factors.is_some() {
-            true => (u32::MAX, "a factor"),
-            false => (self.points.value, "a table"),
-        }
+        if self.factors.is_some() { (u32::MAX, "a factor") } else { (self.points.value, "a table") }
     }
 
     fn takes_points_beyond(&self) -> bool {
@@ -91,7 +94,11 @@ impl Family for DeclaredFacts {
                 ..listed::compile(self, task, plan, |own| self.place(plan, own))?
             },
         };
-        compiled.notes.extend(self.form_assumed().map(Finding::from));
+        if self.lines.evidence == Evidence::Assumed {
+            let source = self.lines.source.clone();
+            let if_wrong = self.lines.consequence.clone().unwrap_or_default();
+            compiled.notes.push(TableFinding::FormAssumed { source, if_wrong }.into());
+        }
         Ok(compiled)
     }
 
@@ -112,7 +119,16 @@ impl Family for DeclaredFacts {
     }
 
     fn displayed(&self, tables: &Tables, _state: &ControlState) -> Vec<String> {
-        self.shown_factors(tables)
+        const SHOWN: u32 = 6; // decimals
+        let Some(form) = &self.shown else {
+            return Vec::new();
+        };
+        let shown = |own: &Factor| {
+            let axes = form.value.replace("{of}", &own.term.of.to_string());
+            let axes = axes.replace("{by}", &own.term.along.to_string());
+            axes.replace("{value}", &fixed(number(tables.own(), own), SHOWN))
+        };
+        self.factors().iter().map(shown).collect()
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
@@ -131,8 +147,7 @@ impl Family for DeclaredFacts {
     /// What the control takes in one section of increments.
     fn section_limits(&self, _mechanism: Mechanism) -> Vec<Option<i64>> {
         let counts = self.largest_value.value * power_of_ten(self.value_decimals.value);
-        let is_increment = self.value_form.value == ValueForm::Increment;
-        vec![is_increment.then(|| whole_below(counts))]
+        vec![(self.value_form.value == ValueForm::Increment).then(|| whole_below(counts))]
     }
 
     fn cut_off_um(&self, task: Task<'_>, table: &PlannedTable) -> f64 {
@@ -146,21 +161,16 @@ impl Family for DeclaredFacts {
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
         if self.factors.is_some() {
-            return Some(self.proof_factors(proof));
+            let [from, peak, _] = proof.bump.places();
+            let slope = Deviation::from_um(proof.bump.height().um() / (peak - from).mm());
+            let gain = |term| if term == proof.term { slope } else { Deviation::ZERO };
+            return Some(Tables::Listed(self.in_numbers("_sign", gain)));
         }
         Some(listed::proof_tables(self, proof, |planned| self.belongs(proof.mechanism, planned)))
     }
 }
 
 impl DeclaredFacts {
-    /// What is to be known of files whose form no manual states.
-    fn form_assumed(&self) -> Option<TableFinding> {
-        (self.lines.evidence == Evidence::Assumed).then(|| TableFinding::FormAssumed {
-            source: self.lines.source.clone(),
-            if_wrong: self.lines.consequence.clone().unwrap_or_default(),
-        })
-    }
-
     fn preconditions(&self, task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
         let source = match self.typed.is_some() {
             true => "contract of the generic table",
@@ -271,7 +281,7 @@ impl DeclaredFacts {
             Some(Direction::Plus) => " moving in +",
             Some(Direction::Minus) => " moving in -",
         };
-        names.collect::<Vec<String>>().join(", ") + column
+        joined(names) + column
     }
 }
 
@@ -283,17 +293,6 @@ impl DeclaredFacts {
 //   positions, which a note names; what the terms are judged by, the error against the reference, is without it.
 
 impl DeclaredFacts {
-    /// Why a term has no factor; none where it has one, or where the control has tables.
-    fn without_factor(&self, term: ErrorTerm) -> Option<String> {
-        let mut factors = self.factors.as_ref()?.value.iter();
-        let why = match &self.no_factor {
-            _ if term.is_positioning() => "a skew correction holds squareness alone",
-            Some(why) => &why.value,
-            None => "no factor of this control takes it; a squareness in this slope stays",
-        };
-        (!factors.any(|own| own.term == term)).then(|| why.to_string())
-    }
-
     /// A plan in factors; those of which nothing is planned are 0.
     fn compile_factors(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         check_names(task, plan)?;
@@ -317,28 +316,6 @@ impl DeclaredFacts {
         ListedTables { set, ..ListedTables::of(self.factors().iter().map(table).collect()) }
     }
 
-    /// One factor that is not 0: to the peak of the bump of a sign proof.
-    fn proof_factors(&self, proof: &ProofOf<'_>) -> Tables {
-        let [from, peak, _] = proof.bump.places();
-        let slope = Deviation::from_um(proof.bump.height().um() / (peak - from).mm());
-        let gain = |term| if term == proof.term { slope } else { Deviation::ZERO };
-        Tables::Listed(self.in_numbers("_sign", gain))
-    }
-
-    /// What the control shows of them.
-    fn shown_factors(&self, tables: &Tables) -> Vec<String> {
-        const SHOWN: u32 = 6; // decimals
-        let Some(form) = &self.shown else {
-            return Vec::new();
-        };
-        let shown = |own: &Factor| {
-            let axes = form.value.replace("{of}", &own.term.of.to_string());
-            let axes = axes.replace("{by}", &own.term.along.to_string());
-            axes.replace("{value}", &fixed(number(tables.own(), own), SHOWN))
-        };
-        self.factors().iter().map(shown).collect()
-    }
-
     /// A line: what it leaves of the curve, and its last decimal at the end of the travel.
     fn placement(&self, task: Task<'_>, planned: &PlannedTable) -> Placement {
         let own = self.factors().iter().find(|own| own.term == planned.term);
@@ -346,10 +323,8 @@ impl DeclaredFacts {
         let travel = task.job.machine.axes[planned.term.along];
         let (low, high) = travel.map_or_else(|| planned.grid.range(), |own| (own.low, own.high));
         let far = (high - low).mm().max(1.0);
-        let at = |place: Millimetres| {
-            let way = place - planned.grid.reference;
-            Deviation::from_um(slope(planned).um() * way.mm())
-        };
+        let way = |place: Millimetres| (place - planned.grid.reference).mm();
+        let at = |place| Deviation::from_um(slope(planned).um() * way(place));
         let ends = Nodes { first: low, step: high - low, count: 2, reference_node: 0 };
         let count_um = far * UM_PER_MM / power_of_ten(self.value_decimals.value);
         Placement {

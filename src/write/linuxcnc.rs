@@ -16,7 +16,7 @@ use crate::control::controller::{
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::inputs::job::Compensation;
 use crate::quantity::{Direction, ErrorTerm, rounded};
-use crate::text::{Problem, Problems};
+use crate::text::{Problem, Problems, joined};
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
@@ -161,13 +161,13 @@ fn place(plan: &Plan, planned: &PlannedTable, joints: &[String]) -> String {
         let base = joints.first().map_or("", |own| plan.base_of(planned.term, own));
         return format!("HAL: joint {} by joint {base}", joints.join(", "));
     }
-    let names: Vec<String> = joints.iter().map(|joint| format!("JOINT_{joint}")).collect();
+    let names = joined(joints.iter().map(|joint| format!("JOINT_{joint}")));
     let column = match planned.direction {
         None => "",
         Some(Direction::Plus) => " moving up",
         Some(Direction::Minus) => " moving down",
     };
-    format!("{}{column}", names.join(", "))
+    names + column
 }
 
 /// Where these facts were seen.

@@ -11,7 +11,7 @@ use crate::control::controller::Profile;
 use crate::inputs::error_table::Heading;
 use crate::inputs::job::{BacklashPolicy, Job, Limits};
 use crate::quantity::{Axis, Deviation, ErrorTerm, PerAxis, UM_PER_MM};
-use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped};
+use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped, joined};
 use crate::write::control_text::trimmed;
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
@@ -354,9 +354,8 @@ fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &PlannedTable, &Extent)>) -
     let mut headings: Vec<&Heading> = slipped.iter().map(|(heading, ..)| *heading).collect();
     headings.sort_by_key(|heading| heading.place.column);
     headings.dedup_by_key(|heading| heading.place.column);
-    let names = |name: &dyn Fn(&Heading) -> String| -> String {
-        let names = headings.iter().map(|heading| format!("`{}`", name(heading)));
-        names.collect::<Vec<_>>().join(", ")
+    let names = |name: &dyn Fn(&Heading) -> String| {
+        joined(headings.iter().map(|heading| format!("`{}`", name(heading))))
     };
     let largest = |a: &f64, b: &f64| a.total_cmp(b);
     let corrections = slipped.iter().map(|(_, _, e)| e.largest_um());

@@ -15,7 +15,7 @@
 //! Angular errors are not part of it; grid and rounding are not either, they are far smaller than
 //! a term without a table.
 
-use crate::machine::model::{ErrorModel, Measured};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis};
 use crate::write::findings::TableFinding;
 use crate::write::task::{Omission, TermTargets};
@@ -264,7 +264,9 @@ impl Parts<'_> {
 
 fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<State> {
     let mut states = Vec::new();
-    for direction in directions_of(model, axis) {
+    let is_undirected = |own: &MeasuredTerm| matches!(own.measured, Measured::Undirected(_));
+    let is_one = model.measured_along(axis).all(|(_, own)| is_undirected(own));
+    for direction in if is_one { &[Direction::Plus][..] } else { &Direction::BOTH } {
         for position in positions_of(model, axis, *direction) {
             let state = model.measured_along(axis).filter_map(|(term, measured)| {
                 let curve = measured.measured.curve(*direction)?;
@@ -281,13 +283,6 @@ fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<Sta
         }
     }
     states
-}
-
-/// The directions in which an axis has curves of its own; without directions one tells all.
-fn directions_of(model: &ErrorModel, axis: Axis) -> &'static [Direction] {
-    let mut along = model.measured_along(axis);
-    let undirected = along.all(|(_, own)| matches!(own.measured, Measured::Undirected(_)));
-    if undirected { &[Direction::Plus] } else { &Direction::BOTH }
 }
 
 fn positions_of(model: &ErrorModel, axis: Axis, direction: Direction) -> Vec<Millimetres> {

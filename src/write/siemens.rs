@@ -23,7 +23,7 @@ use crate::quantity::{Deviation, ErrorTerm, power_of_ten};
 use crate::text::Problems;
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
-use crate::write::grid::{Grid, LengthDigit};
+use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 
@@ -69,7 +69,7 @@ impl Family for SiemensFacts {
         let mut number = task.job.compensation.first_table.unwrap_or(0);
         let count_um = task.unit_um() / power_of_ten(self.value_decimals.value);
         for planned in &plan.tables {
-            let mut places = Vec::new();
+            let (grid, mut places) = (&planned.grid, Vec::new());
             for output in &plan.names[planned.term.of] {
                 let place = match is_lec(planned) {
                     true => {
@@ -82,7 +82,11 @@ impl Family for SiemensFacts {
                 tables.push(SiemensTable {
                     input_axis: plan.base_of(planned.term, output).to_string(),
                     output_axis: output.clone(),
-                    grid: siemens_grid(&planned.grid),
+                    grid: SiemensGrid {
+                        min: grid.written(grid.first),
+                        step: grid.written_spacing(),
+                        max: grid.written(grid.last),
+                    },
                     values: values(task, self, &planned.values, &place),
                     direction: planned.direction,
                     multiply_by: 0,
@@ -140,10 +144,7 @@ impl Family for SiemensFacts {
     }
 
     fn cut_off_um(&self, _task: Task<'_>, table: &PlannedTable) -> f64 {
-        match is_lec(table) {
-            true => f64::INFINITY,
-            false => self.cec_max_sum_um.value,
-        }
+        if is_lec(table) { f64::INFINITY } else { self.cec_max_sum_um.value }
     }
 
     /// One place of each table: where it holds most.
@@ -195,16 +196,6 @@ fn shown(state: &ControlState, table: &SiemensTable) -> String {
         "{}{on}: {largest} {unit} with {base} at {at} {unit}{way}; {zero} {unit} with {base} at its reference point{way}",
         place.name()
     )
-}
-
-/// MIN, STEP and MAX in the control's unit, from whole last digits so that (MAX − MIN)/STEP is a
-/// whole number.
-fn siemens_grid(grid: &Grid) -> SiemensGrid {
-    SiemensGrid {
-        min: grid.written(grid.first),
-        step: grid.written_spacing(),
-        max: grid.written(grid.last),
-    }
 }
 
 /// Table values in the control's unit, rounded to its last decimal.

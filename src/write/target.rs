@@ -2,7 +2,6 @@
 
 pub use crate::write::task::{Omission, Target, TermTargets};
 
-use crate::control::controller::Profile;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms, one_for_all};
 use crate::machine::model::{Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm};
@@ -225,19 +224,15 @@ fn both_ways(
             let none =
                 || Problem::new(format!("the two directions of {term} have no common range"));
             let has_two = policy == BacklashPolicy::TwoTables;
-            let note = has_two.then(|| one_for_two_note(task.profile, equal));
+            let note = has_two.then(|| match equal {
+                true => "both directions are equal, so one table is written".to_string(),
+                false => format!(
+                    "{} has no direction-dependent table for it; the mean of both directions is used",
+                    task.profile.name
+                ),
+            });
             Ok(one_table(term, mean.ok_or_else(none)?, note))
         }
-    }
-}
-
-fn one_for_two_note(profile: &Profile, equal: bool) -> String {
-    match equal {
-        true => "both directions are equal, so one table is written".to_string(),
-        false => format!(
-            "{} has no direction-dependent table for it; the mean of both directions is used",
-            profile.name
-        ),
     }
 }
 

@@ -4,7 +4,7 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::machine::model::ErrorModel;
 use crate::quantity::{Axis, Deviation, Direction, ErrorCurve, ErrorTerm, PerAxis, UM_PER_MM};
-use crate::text::Finding;
+use crate::text::{Finding, joined};
 use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
 use serde::Serialize;
@@ -51,8 +51,7 @@ impl<'a> Task<'a> {
         let text = |(axis, machine): (Axis, &Option<MachineAxis>)| {
             Some(format!("{axis} {} mm", trimmed(machine.as_ref()?.reference.mm(), 6)))
         };
-        let texts: Vec<String> = self.job.machine.axes.iter().filter_map(text).collect();
-        texts.join(", ")
+        joined(self.job.machine.axes.iter().filter_map(text))
     }
 }
 

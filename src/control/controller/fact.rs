@@ -318,6 +318,11 @@ impl NumberRange {
     pub const fn overlaps(self, other: NumberRange) -> bool {
         self.first <= other.last && other.first <= self.last
     }
+
+    /// Whether one of the blocks holds all its numbers.
+    pub(crate) fn lies_in(self, blocks: &[NumberRange]) -> bool {
+        blocks.iter().any(|block| block.contains(self.first) && block.contains(self.last))
+    }
 }
 
 /// A fact as it stands in the profile, for people and for the manifest.

@@ -231,9 +231,7 @@ fn is_plain_file_name(path: &str) -> bool {
 /// Names that Windows gives to devices, with any ending.
 fn is_device_of_windows(path: &str) -> bool {
     let stem = path.split('.').next().unwrap_or("").to_ascii_lowercase();
-    let numbered = |word: &str| {
-        let number = stem.strip_prefix(word);
-        number.is_some_and(|n| n.len() == 1 && n.bytes().all(|b| b.is_ascii_digit()))
-    };
-    ["con", "prn", "aux", "nul"].contains(&stem.as_str()) || numbered("com") || numbered("lpt")
+    let before_digit = stem.strip_suffix(|c: char| c.is_ascii_digit());
+    ["con", "prn", "aux", "nul"].contains(&stem.as_str())
+        || before_digit.is_some_and(|word| ["com", "lpt"].contains(&word))
 }

@@ -1,7 +1,7 @@
 //! A line of a control's file as a regular expression with named fields, checked when its profile is loaded.
 
 use super::fact::Stated;
-use crate::text::{Section, Word, nearest, shown, words};
+use crate::text::{Section, Word, joined, nearest, shown, words};
 use regex_automata::PatternID;
 use regex_automata::meta::{BuildError, Config, Regex};
 use std::ops::Range;
@@ -145,8 +145,7 @@ fn group(place: usize, name: &str) -> Result<Group, String> {
     known.map(|(_, field)| Group { place, field: *field, table }).ok_or_else(|| {
         let words = Field::WORDS.iter().map(|(word, _)| *word);
         let near = nearest(name, words.clone()).map(|near| format!(", did you mean `{near}`?"));
-        let list: Vec<&str> = words.collect();
-        let near = near.unwrap_or_else(|| format!(", expected one of {}", list.join(", ")));
+        let near = near.unwrap_or_else(|| format!(", expected one of {}", joined(words)));
         format!("has the unknown field `{}`{near}", shown(name))
     })
 }

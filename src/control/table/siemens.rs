@@ -166,6 +166,11 @@ impl SiemensTable {
         Some(OpenEnd { point, from, differs_by })
     }
 
+    /// Whether it acts while the base axis moves so.
+    pub(crate) fn acts_in(&self, direction: Direction) -> bool {
+        self.direction.is_none_or(|own| own == direction)
+    }
+
     /// `$AN_CEC_DIRECTION` as files write it.
     pub fn direction_text(&self) -> &'static str {
         match self.direction {
@@ -275,22 +280,29 @@ impl SiemensTables {
         outputs
     }
 
-    /// Largest sum of CEC corrections of an output axis: the largest values of all tables that act together, the
-    /// worse direction of each base axis, added up over the base axes. A bound, not a place.
+    /// Largest sum of CEC corrections of an output axis ([`largest_sum`]).
     ///
     /// unit   as in the file
     pub(crate) fn largest_cec_sum(&self, output: &str) -> f64 {
-        let mut of_base: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-        for table in self.cec().filter(|t| t.output_axis == output) {
+        let largest = |table: &SiemensTable| {
             let values = table.values.iter().flatten().map(|value| value.abs());
-            let largest = values.fold(0.0, f64::max);
-            let ways = of_base.entry(&table.input_axis).or_default().iter_mut();
-            let acting = ways.zip(Direction::BOTH);
-            let acting = acting.filter(|(_, way)| table.direction.is_none_or(|own| own == *way));
-            acting.for_each(|(sum, _)| *sum += largest);
-        }
-        of_base.values().map(|[plus, minus]| plus.max(*minus)).sum()
+            values.fold(0.0, f64::max)
+        };
+        let own = self.cec().filter(|table| table.output_axis == output);
+        largest_sum(own.map(|table| (table, largest(table))))
     }
+}
+
+/// Largest sum of tables of one output axis with their largest values, in any unit: those that act together, the worse
+/// direction of each base axis, added up over the base axes. A bound, not a place.
+pub(crate) fn largest_sum<'a>(tables: impl Iterator<Item = (&'a SiemensTable, f64)>) -> f64 {
+    let mut of_base: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
+    for (table, largest) in tables {
+        let ways = of_base.entry(&table.input_axis).or_default().iter_mut();
+        let acting = ways.zip(Direction::BOTH).filter(|(_, way)| table.acts_in(*way));
+        acting.for_each(|(sum, _)| *sum += largest);
+    }
+    of_base.values().map(|[plus, minus]| plus.max(*minus)).sum()
 }
 
 #[cfg(test)]

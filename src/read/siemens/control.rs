@@ -17,11 +17,11 @@
 
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, MultiplyMode, SiemensFacts};
-use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
+use crate::control::table::siemens::{Place, SiemensTable, SiemensTables, largest_sum};
 use crate::quantity::{Correction, Direction, Millimetres, UM_PER_MM};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response, cannot};
 use crate::read::listed::{Pair, PairControl};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// (MAX−MIN)/STEP may differ this much from the index of the last point, in steps; STEP is
 /// rounded in real files.
@@ -65,10 +65,6 @@ struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
-    fn acts_in(&self, direction: Direction) -> bool {
-        self.table.direction.is_none_or(|own| own == direction)
-    }
-
     fn is_from(&self, base: &str) -> bool {
         same(&self.table.input_axis, base)
     }
@@ -111,7 +107,8 @@ impl Memory<'_> {
     fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         self.refuse_products(base, output)?;
         let cec = self.cec_of(output);
-        let cec: Vec<_> = cec.filter(|own| own.is_from(base) && own.acts_in(direction)).collect();
+        let cec: Vec<_> =
+            cec.filter(|own| own.is_from(base) && own.table.acts_in(direction)).collect();
         if !cec.is_empty() {
             self.refuse_clamp(output)?;
         }
@@ -173,7 +170,8 @@ impl Memory<'_> {
 
     /// The clamp acts on the sum over all base axes, so no single response can show it.
     fn refuse_clamp(&self, output: &str) -> Emulated<()> {
-        let largest = self.largest_cec_um(output);
+        let peaks = self.cec_of(output).map(|own| (own.table, self.peak_um(own)));
+        let largest = largest_sum(peaks);
         let limit = self.facts.cec_max_sum_um.value;
         if largest <= limit {
             return Ok(());
@@ -183,18 +181,6 @@ impl Memory<'_> {
              CEC_MAX_SUM of {limit:.1} µm; the control would cut their sum: check their scale \
              (µm taken for mm?)"
         ))
-    }
-
-    /// A bound of the CEC sum of an axis, µm: peaks added over all base axes, the worse direction
-    /// of each.
-    fn largest_cec_um(&self, output: &str) -> f64 {
-        let mut of_base: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-        for own in self.cec_of(output) {
-            let ways = of_base.entry(&own.table.input_axis).or_default().iter_mut();
-            let acting = ways.zip(Direction::BOTH).filter(|(_, way)| own.acts_in(*way));
-            acting.for_each(|(sum, _)| *sum += self.peak_um(own));
-        }
-        of_base.values().map(|[plus, minus]| plus.max(*minus)).sum()
     }
 
     fn peak_um(&self, table: &Loaded<'_>) -> f64 {

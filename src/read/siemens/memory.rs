@@ -64,6 +64,7 @@ impl Placed {
 /// A table while its file is being read.
 #[derive(Debug, Default)]
 struct Draft {
+    writer: Writer,
     head: Range<usize>,
     /// What could not be read of it.
     complaints: Vec<Complaint>,
@@ -121,13 +122,14 @@ impl Memory {
         value: Result<MachineValue, Complaint>,
         set: &Assignment<'_>,
     ) -> Result<(), Complaint> {
-        let draft = self.tables.entry(place.clone()).or_default();
+        let begin = || Draft { writer: self.writer, ..Draft::default() };
+        let draft = self.tables.entry(place.clone()).or_insert_with(begin);
         if draft.head.is_empty() {
             draft.head = set.head.clone();
         }
         match value {
             Ok(value) => {
-                if draft.put(cell, Placed { value, span: set.value_span.clone() }, self.writer) {
+                if draft.put(cell, Placed { value, span: set.value_span.clone() }) {
                     self.all.twice.insert(set.variable());
                 }
             }
@@ -173,7 +175,7 @@ impl Memory {
                 // The control reserves memory for the table and nobody filled it.
                 self.all.tables.reserved.push(place.to_string());
             } else {
-                draft.finish(place, self.writer, &mut self.all, complaints);
+                draft.finish(place, &mut self.all, complaints);
             }
         }
         self.all
@@ -201,8 +203,8 @@ impl Memory {
 impl Draft {
     /// Sets a cell; gives whether a control holds two values of it. Of two steps that a control wrote, the one
     /// that gives a grid counts.
-    fn put(&mut self, cell: Cell, placed: Placed, writer: Writer) -> bool {
-        let of_control = self.cells.get(&cell).filter(|_| writer == Writer::Control);
+    fn put(&mut self, cell: Cell, placed: Placed) -> bool {
+        let of_control = self.cells.get(&cell).filter(|_| self.writer == Writer::Control);
         let is_other = of_control.is_some_and(|old| old.value != placed.value);
         if !(cell.0 == "_STEP" && of_control.is_some() && placed.is_zero()) {
             self.cells.insert(cell, placed);
@@ -247,20 +249,14 @@ impl Draft {
     }
 
     /// Adds the table to what the file holds; a control writes tables that nobody filled, too.
-    fn finish(
-        mut self,
-        place: Place,
-        writer: Writer,
-        all: &mut SiemensContents,
-        complaints: &mut Vec<Complaint>,
-    ) {
+    fn finish(mut self, place: Place, all: &mut SiemensContents, complaints: &mut Vec<Complaint>) {
         let variable = format!("${place}");
         let lacking = optional(&place).iter().filter(|field| self.cell(field).is_none());
         all.unwritten.extend(lacking.map(|field| format!("{} of {variable}", &field[1..])));
         let is_readable = self.complaints.is_empty();
-        let content = self.content(&variable, writer);
+        let content = self.content(&variable);
         let is_zero = self.points(0).all(|(_, placed)| placed.is_zero());
-        if content.is_none() && writer != Writer::Kit && is_zero && is_readable {
+        if content.is_none() && self.writer != Writer::Kit && is_zero && is_readable {
             all.idle.push(place.to_string());
             all.tables.reserved.push(place.to_string());
             return;
@@ -302,22 +298,16 @@ impl Draft {
     }
 
     /// Grid and values; a control writes reserved points behind MAX too, which have no effect.
-    fn content(&mut self, name: &str, writer: Writer) -> Option<(SiemensGrid, Vec<Option<f64>>)> {
+    fn content(&mut self, name: &str) -> Option<(SiemensGrid, Vec<Option<f64>>)> {
         let Some(grid) = self.stated_grid() else {
             if self.complaints.is_empty() {
                 self.missing(name, &["_MIN", "_STEP", "_MAX"]);
             }
             return None;
         };
-        let last = match self.last_point(name, grid, writer) {
-            Ok(last) => last,
-            Err((parameter, message, help)) => {
-                let span = self.cell(parameter).map_or(self.head.clone(), |of| of.span.clone());
-                self.complaints.push(Complaint::new(span, message, help));
-                return None;
-            }
-        };
-        let behind = self.points(last + 1).filter(|_| writer == Writer::Kit);
+        let last = self.last_point(name, grid);
+        let last = last.map_err(|complaint| self.complaints.push(complaint)).ok()?;
+        let behind = self.points(last + 1).filter(|_| self.writer == Writer::Kit);
         let behind = behind.map(|(point, placed)| {
             let message =
                 format!("{name} has point {point}, but MIN, STEP and MAX give points 0 to {last}");
@@ -330,39 +320,38 @@ impl Draft {
         Some((grid, (0..=last).map(value).collect()))
     }
 
-    /// Index of the last point; else the parameter that is wrong, what is and what to do. Where MAX of a
+    /// Index of the last point; else what is wrong with MIN, STEP and MAX. Where MAX of a
     /// control's table lies between two points, that of the one behind MAX, if it is there: it may be part
     /// of what the control computes.
-    fn last_point(
-        &self,
-        name: &str,
-        grid: SiemensGrid,
-        writer: Writer,
-    ) -> Result<u32, (&'static str, String, &'static str)> {
+    fn last_point(&self, name: &str, grid: SiemensGrid) -> Result<u32, Complaint> {
+        let wrong = |parameter, message: String, help: &str| {
+            let span = self.cell(parameter).map_or(self.head.clone(), |of| of.span.clone());
+            Err(Complaint::new(span, message, help))
+        };
         let SiemensGrid { min, step, max } = grid;
         let steps = grid.steps();
         if step <= 0.0 {
             let message = format!("STEP of {name} is {step}, it must be greater than 0");
-            return Err(("_STEP", message, "write the distance of two points"));
+            return wrong("_STEP", message, "write the distance of two points");
         }
         if max <= min {
             let message = format!("MAX of {name} is {max}, not greater than MIN {min}");
             let help = "MIN is the position of point 0, MAX that of the last point";
-            return Err(("_MAX", message, help));
+            return wrong("_MAX", message, help);
         }
         if steps >= MOST_POINTS {
             let message = format!("{name} would have {steps:.0} points");
-            return Err(("_STEP", message, "no control holds so many; correct MIN, STEP or MAX"));
+            return wrong("_STEP", message, "no control holds so many; correct MIN, STEP or MAX");
         }
         let last = grid.last_whole_point();
         if last >= 1 && grid.is_whole() {
             return Ok(last);
         }
-        if last < 1 || writer == Writer::Kit {
+        if last < 1 || self.writer == Writer::Kit {
             let message =
                 format!("(MAX-MIN)/STEP of {name} is {steps}, expected a whole number from 1");
             let help = "the last point must lie on MAX; controls differ in what they do otherwise";
-            return Err(("_STEP", message, help));
+            return wrong("_STEP", message, help);
         }
         Ok(last + u32::from(self.cells.contains_key(&("", last + 1))))
     }

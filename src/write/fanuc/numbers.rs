@@ -65,9 +65,7 @@ impl Space {
         count: u32,
     ) -> Option<u32> {
         let range = NumberRange { first, last: first.checked_add(count - 1)? };
-        let inside =
-            blocks.iter().any(|block| block.contains(range.first) && block.contains(range.last));
-        (inside && self.is_free(range)).then(|| {
+        (range.lies_in(blocks) && self.is_free(range)).then(|| {
             self.used.push(range);
             first
         })

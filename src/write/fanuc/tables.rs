@@ -294,10 +294,7 @@ fn magnify(
     let least = u32::try_from(least).unwrap_or(u32::MAX);
     (least..=facts.magnification_max.value).find_map(|magnification| {
         let count_um = unit_um * f64::from(magnification);
-        let step_um = match facts.reversal_magnified.value {
-            true => count_um,
-            false => unit_um,
-        };
+        let step_um = if facts.reversal_magnified.value { count_um } else { unit_um };
         let mut reversal = 0.0;
         let totals = tables.iter().map(|planned| {
             let at_reference = planned.values[planned.grid.reference_node()];

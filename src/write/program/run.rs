@@ -4,7 +4,7 @@ use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Profile, builtin};
 use crate::inputs::job::{Job, ProgramRequest, RunType};
 use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis, Squared, unit};
-use crate::text::{Finding, Problem};
+use crate::text::{Finding, Problem, joined};
 use crate::write::control_text::with_point;
 use crate::write::grid::{LengthDigit, as_number, whole};
 
@@ -157,14 +157,13 @@ fn no_language(job: &Job, profile: &Profile) -> Problem {
     let known = builtin::ids()
         .into_iter()
         .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
-    let known: Vec<&str> = known.collect();
     job.problem_at(
         "compensation.controller",
         format!("`{}` says nothing about part programs, so none can be written", profile.id),
     )
     .help(format!(
         "choose the control that will run the program: {}; or a profile of your own with [program]",
-        known.join(", ")
+        joined(known)
     ))
 }
 

@@ -7,6 +7,7 @@ use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::inputs::job::ActiveTables;
 use crate::quantity::{Axis, Figure, UM_PER_MM, power_of_ten};
+use crate::text::joined;
 use crate::write::family::backlash_parameter;
 use crate::write::task::{Plan, PlannedTable, Task};
 
@@ -75,7 +76,12 @@ pub(super) fn preconditions(
     plan: &Plan,
     tables: &SiemensTables,
 ) -> Vec<Precondition> {
-    let mut list = vec![basic_system(task)];
+    let mut list = vec![Precondition::new(
+        "MD10240 $MN_SCALING_SYSTEM_IS_METRIC",
+        task.job.compensation.control_unit.as_metric(),
+        "positions and values of the tables are in the basic system; in the other one every movement is 25.4 times as large or as small",
+        "802D sl Function Manual 11/2012 p. 222",
+    ).dangerous()];
     for table in tables.lec() {
         list.push(Precondition::new(
             format!("MD32700 $MA_ENC_COMP_ENABLE[{}]", table.place.index()),
@@ -99,18 +105,9 @@ pub(super) fn preconditions(
     list
 }
 
-fn basic_system(task: Task<'_>) -> Precondition {
-    Precondition::new(
-        "MD10240 $MN_SCALING_SYSTEM_IS_METRIC",
-        task.job.compensation.control_unit.as_metric(),
-        "positions and values of the tables are in the basic system; in the other one every movement is 25.4 times as large or as small",
-        "802D sl Function Manual 11/2012 p. 222",
-    ).dangerous()
-}
-
 fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition> {
     let metric = task.job.compensation.control_unit.as_metric();
-    let numbers: Vec<String> = tables.cec().map(|t| t.place.index()).collect();
+    let numbers = joined(tables.cec().map(|t| t.place.index()));
     let outputs = tables.cec_outputs().join(", ");
     vec![
         Precondition::new(
@@ -128,26 +125,26 @@ fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition
         .dangerous(),
         max_sum_precondition(task, tables),
         Precondition::new(
-            format!("MD32710 $MA_CEC_ENABLE[{}]", outputs),
+            format!("MD32710 $MA_CEC_ENABLE[{outputs}]"),
             "0 while the tables are loaded",
             "tables can only be loaded while CEC is off",
             format!("{K3} p. 237"),
         ),
         Precondition::new(
-            format!("other CEC tables of {}", outputs),
+            format!("other CEC tables of {outputs}"),
             "absent, or meant to act",
             "MD32710 in the enable and disable files switches every CEC table of an axis",
             format!("{K3} p. 245"),
         )
         .dangerous(),
         Precondition::new(
-            format!("SD41310 $SN_CEC_TABLE_WEIGHT[{}]", numbers.join(", ")),
+            format!("SD41310 $SN_CEC_TABLE_WEIGHT[{numbers}]"),
             "1",
             "a factor on each table",
             "a real archive holds 1 everywhere",
         ),
         Precondition::new(
-            format!("CEC tables {}", numbers.join(", ")),
+            format!("CEC tables {numbers}"),
             match task.job.measurement.active {
                 ActiveTables::Path(_) => {
                     "free (not in use), or held by the tables that were active"

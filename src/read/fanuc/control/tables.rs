@@ -40,7 +40,7 @@ impl Grid {
         }
         let [reference_point, first, last] = point_numbers(from, axis)?;
         let points = NumberRange { first, last };
-        if !lies_in(points, &from.facts.pitch_points.value) {
+        if !points.lies_in(&from.facts.pitch_points.value) {
             return cannot(format!(
                 "axis {axis}: points {first} to {last} (3621, 3622) are not in one block of the control's points"
             ));
@@ -125,11 +125,6 @@ fn switch(from: Loading, axis: u32, bit: u8) -> Emulated<Option<bool>> {
     Ok(bits.map(|bits| bits & (1 << bit) != 0))
 }
 
-/// Whether one of the control's blocks holds all points of a run.
-fn lies_in(run: NumberRange, blocks: &[NumberRange]) -> bool {
-    blocks.iter().any(|block| block.contains(run.first) && block.contains(run.last))
-}
-
 /// Sums S of the increments at the nodes Nmin−1 … Nmax, zero at the node `zero_node`.
 ///
 ///   S(n) = Σ v(N0+1 … N0+n), n ≥ 0;  S(n) = −Σ v(N0+n+1 … N0), n < 0
@@ -210,7 +205,7 @@ impl Pitch<'_> {
         let first = self.from.count(3626, Some(self.axis), u32::MAX - self.grid.count())?;
         let last = first + self.grid.count() - 1;
         let run = NumberRange { first, last };
-        if lies_in(run, &self.from.facts.minus_points.value) {
+        if run.lies_in(&self.from.facts.minus_points.value) {
             return Ok(run);
         }
         cannot(format!(
@@ -222,9 +217,8 @@ impl Pitch<'_> {
     /// 3627: the value at the reference of the curve against the reference return.
     fn reversal(&self) -> Emulated<Correction> {
         let units = self.from.amount(3627, Some(self.axis), REVERSAL_MAX)?;
-        let magnified = self.from.facts.reversal_magnified.value;
-        let factor = if magnified { self.magnification } else { 1.0 };
-        Ok(self.correction(units * factor))
+        let is_magnified = self.from.facts.reversal_magnified.value;
+        Ok(self.correction(units * if is_magnified { self.magnification } else { 1.0 }))
     }
 }
 
@@ -408,7 +402,7 @@ impl Set<'_> {
         let first = self.from.count(self.start_parameter(), None, u32::MAX - grid.count())?;
         let last = first + grid.count() - 1;
         let run = NumberRange { first, last };
-        if !lies_in(run, &facts.straightness_points.value) {
+        if !run.lies_in(&facts.straightness_points.value) {
             return self.refuse(format!(
                 "points {first} to {last} are not in one block of the control's points"
             ));
