@@ -98,9 +98,8 @@ fn read(texts: &[(&str, &str)], facts: &DeclaredFacts) -> Result<ListedTables, P
     }
     let is_whole = || texts.iter().any(|(_, text)| facts.is_whole(text));
     if problems.is_empty() && all.is_empty() && !is_whole() {
-        let message = "no line of the files holds a value";
         let help = "compare the files with the patterns of the profile (`lines`)";
-        problems.push(Problem::new(message).help(help));
+        problems.push(Problem::new("no line of the files holds a value").help(help));
     }
     problems.or_ok(ListedTables { set, ..ListedTables::of(all) })
 }
@@ -130,9 +129,8 @@ fn file(
     if !reading.complaints.is_empty() {
         return Err(located(name, text, reading.complaints));
     }
-    let drafts = std::mem::take(&mut reading.drafts);
     let mut tables = Vec::new();
-    for draft in drafts {
+    for draft in std::mem::take(&mut reading.drafts) {
         match draft.table() {
             Ok(table) => tables.push(table),
             Err(complaint) => reading.complaints.push(complaint),

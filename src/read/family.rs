@@ -2,7 +2,9 @@
 //! through it.
 
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Added, Dialect, Encoding, Example, KitFile, Profile, Role};
+use crate::control::controller::{
+    Added, Dialect, Encoding, Example, ExampleFile, KitFile, Profile, Role,
+};
 use crate::control::table::Tables;
 use crate::control::table::siemens::MachineDatum;
 use crate::quantity::{Direction, Figure, Millimetres};
@@ -241,13 +243,11 @@ pub fn check_examples(profile: &Profile) -> Result<(), Problems> {
 }
 
 fn check(profile: &Profile, example: &Example) -> Result<(), Problems> {
-    let role = Role::Table;
-    let files = example.files.iter().map(|own| KitFile {
-        path: own.path.clone(),
-        role,
-        bytes: own.text.clone().into_bytes(),
-    });
-    let files: Vec<KitFile> = files.collect();
+    let file = |own: &ExampleFile| {
+        let (path, bytes) = (own.path.clone(), own.text.clone().into_bytes());
+        KitFile { path, role: Role::Table, bytes }
+    };
+    let files: Vec<KitFile> = example.files.iter().map(file).collect();
     let wrong = |words: String| Problem::new(format!("example of {}: {words}", example.source));
     let read = read(profile, &files)?;
     let control = emulator(profile, &read.tables, &example.state()).map_err(|why| wrong(why.0))?;

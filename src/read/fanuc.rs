@@ -152,12 +152,11 @@ enum Writer {
 impl Writer {
     /// Whether a length behind this letter is in the unit of the control.
     fn may_write(self, letter: char) -> bool {
-        let of_unit = match self {
-            Writer::Kit => None,
-            Writer::Control(ControlUnit::Millimetre) => Some('M'),
-            Writer::Control(ControlUnit::Inch) => Some('I'),
-        };
-        letter == 'P' || Some(letter) == of_unit
+        match letter {
+            'M' => self == Writer::Control(ControlUnit::Millimetre),
+            'I' => self == Writer::Control(ControlUnit::Inch),
+            _ => true, // P, in either
+        }
     }
 }
 

@@ -121,10 +121,9 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     let names = texts.iter().map(|(name, _)| *name);
     named.extend(hals.iter().map(|(name, _)| *name));
     let unnamed = names.filter(|name| *name != ini_name && !named.contains(name));
-    let told = unnamed.map(|name| ReadFinding::NotNamed { file: shown(name) }.into());
     problems.or_ok(Contents {
         tables: ListedTables::of(tables),
-        notes: told.collect(),
+        notes: unnamed.map(|name| ReadFinding::NotNamed { file: shown(name) }.into()).collect(),
         joints: ini.joints,
         unit: ini.unit,
         is_whole: is_machines(text),
@@ -216,9 +215,8 @@ const ACTIVE: [&str; 6] = ["LOG", "PROBE", "DEBUG", "PRINT", "PY", "ABORT"];
 fn blocks(text: &str) -> Result<Vec<Code>, Complaint> {
     let mut blocks = Vec::new();
     for line in lines(text) {
-        let written = &text[line.clone()];
         let code = without_comments(text, &line)?;
-        if comments(written).any(is_active) {
+        if comments(&text[line.clone()]).any(is_active) {
             return Err(refuse(line, "a comment that LinuxCNC executes"));
         }
         let code = code.trim();
@@ -266,9 +264,19 @@ fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Pro
         }
     };
     if lines.any(|(row, _)| row.is_some()) {
-        return refuse(stops(stop));
+        let message = "LinuxCNC stops reading here without a word: rows below this line do nothing";
+        return refuse(Complaint::new(
+            stop,
+            message,
+            "a table holds no comment, header or blank line",
+        ));
     }
-    if rows.is_empty() { refuse(no_row(stop)) } else { Ok(rows) }
+    if rows.is_empty() {
+        let message = "no row begins the file: LinuxCNC runs without this table, and says nothing";
+        let help = "a table holds `nominal forward reverse` in each line and nothing else";
+        return refuse(Complaint::new(stop, message, help));
+    }
+    Ok(rows)
 }
 
 /// The three numbers that a line begins with.
@@ -324,22 +332,6 @@ fn wrong(before: &[Point], row: Point, span: &Range<usize>, most: u32) -> Option
         return complaint(message, "use a larger spacing");
     }
     None
-}
-
-fn stops(span: Range<usize>) -> Complaint {
-    Complaint::new(
-        span,
-        "LinuxCNC stops reading here without a word: rows below this line do nothing",
-        "a table holds no comment, header or blank line",
-    )
-}
-
-fn no_row(span: Range<usize>) -> Complaint {
-    Complaint::new(
-        span,
-        "no row begins the file: LinuxCNC runs without this table, and says nothing",
-        "a table holds `nominal forward reverse` in each line and nothing else",
-    )
 }
 
 #[cfg(test)]

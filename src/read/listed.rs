@@ -141,10 +141,9 @@ struct OneWay<'a> {
 
 impl OneWay<'_> {
     fn response(&self, reference: Millimetres) -> Option<Response> {
-        let mm = places_mm(self.form, self.points);
         let correction = |amount: &f64| self.form.sign.correction(amount * self.form.value_um);
         let values: Vec<Correction> = self.amounts().iter().map(correction).collect();
-        let mut response = Response::straight(&mm, &values)?;
+        let mut response = Response::straight(&places_mm(self.form, self.points), &values)?;
         if self.form.value == ValueForm::Increment {
             response.shift(Correction::from_um(0.0 - response.correction(reference).um()));
         }

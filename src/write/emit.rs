@@ -243,9 +243,8 @@ pub(crate) fn render_checklist(
     let names = head.into_map().unwrap_or_default().into_iter();
     let names = names.filter(|(name, _)| name.as_str().is_some_and(|own| NAMES.contains(&own)));
     let names = Seen::from(names.collect::<Map>());
-    let files = task.profile.files.iter();
     let mut rendered = Vec::new();
-    for file in files.filter(|file| file.role == Role::Checklist) {
+    for file in task.profile.files.iter().filter(|file| file.role == Role::Checklist) {
         // As HTML where the file is a page.
         let [mut seen, names] = match file.is_page() {
             true => {

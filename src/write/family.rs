@@ -150,10 +150,7 @@ pub(crate) struct ProofOf<'a> {
 impl ProofOf<'_> {
     /// What a table with this many points pretends: the bump, or zeros where it is not the one.
     pub(super) fn deviations(&self, has_bump: bool, points: usize) -> Vec<Deviation> {
-        match has_bump {
-            true => self.bump.deviations(),
-            false => vec![Deviation::ZERO; points],
-        }
+        if has_bump { self.bump.deviations() } else { vec![Deviation::ZERO; points] }
     }
 }
 

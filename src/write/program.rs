@@ -81,11 +81,10 @@ findings! {
 
 /// What the run of a job cannot determine.
 pub fn left_open(job: &Job, request: &ProgramRequest) -> Vec<Finding> {
-    let is_step = request.what == RunType::StepDiagonal;
-    let reversal = match (request.bidirectional, request.runs_over()) {
-        (false, _) => Some(Open::Reversal),
-        (true, Some(true)) if is_step => Some(Open::ReversalOfAnAxis),
-        (true, _) => None,
+    let reversal = match (request.bidirectional, request.runs_over(), request.what) {
+        (false, ..) => Some(Open::Reversal),
+        (_, Some(true), RunType::StepDiagonal) => Some(Open::ReversalOfAnAxis),
+        _ => None,
     };
     let of_run = match request.what {
         RunType::StepDiagonal => scales(job).into_iter().chain([Open::Angles]).collect(),

@@ -246,9 +246,8 @@ pub(crate) fn are_equal(measured: &Measured) -> bool {
         return false;
     };
     let (from, to) = plus.measured_range();
-    let difference = plus.difference(minus);
     plus.measured_range() == minus.measured_range()
-        && difference.is_some_and(|curve| curve.largest_magnitude(from, to) < EQUAL_UM)
+        && plus.difference(minus).is_some_and(|curve| curve.largest_magnitude(from, to) < EQUAL_UM)
 }
 
 /// Two tables of a term whose reversal could be noise: U of a difference of two values is 2·√2·u.

@@ -69,10 +69,12 @@ fn meant(word: &str) -> Option<(&'static str, String)> {
         let shared: Vec<&String> = parts.iter().filter(|part| known.contains(part)).collect();
         if shared.iter().any(|part| has_digit(part)) { shared.len() } else { 0 }
     };
-    let best = ids().into_iter().rev().max_by_key(shared).filter(|id| shared(id) > 0); // the first of equal ones
+    let last_first = ids().into_iter().rev(); // of equal ones the first is meant
+    let best = last_first.max_by_key(shared).filter(|id| shared(id) > 0);
     let model = Some(parts.concat()).filter(has_digit);
     let of_model = || {
-        ids().into_iter().find(|id| known(id).concat().contains(model.as_deref().unwrap_or("/")))
+        let model = model.as_deref()?;
+        ids().into_iter().find(|id| known(id).concat().contains(model))
     };
     let id = best.or_else(of_model).or_else(|| nearest(word, ids()))?;
     Some((id, full_name(id)))

@@ -239,18 +239,12 @@ impl DeclaredFacts {
 
     /// What a table of these axes means.
     pub(crate) fn sign(&self, is_own: bool) -> &Fact<TableSign> {
-        match is_own {
-            true => &self.own_sign,
-            false => &self.cross_sign,
-        }
+        if is_own { &self.own_sign } else { &self.cross_sign }
     }
 
     /// Fields of values in a table, by the field of the file.
     pub(crate) fn value_fields(&self, is_own: bool) -> &'static [Field] {
-        match is_own && self.has_two() {
-            true => &[Field::Forward, Field::Reverse],
-            false => &[Field::Value],
-        }
+        if is_own && self.has_two() { &[Field::Forward, Field::Reverse] } else { &[Field::Value] }
     }
 
     /// Whether the patterns have a field.
@@ -271,14 +265,9 @@ impl DeclaredFacts {
 
     /// The patterns together have a field for all that a table holds.
     fn check_lines(&self, facts: &Facts<'_>) {
-        let places: &[Field] = match self.is_spaced() {
-            false => &[],
-            true => &[Field::Start, Field::Spacing],
-        };
-        let cross: &[Field] = match self.cross_terms.value {
-            0 => &[],
-            _ => &[Field::Base, Field::Value],
-        };
+        let if_any = |any: bool, fields: &'static [Field]| if any { fields } else { &[] };
+        let places = if_any(self.is_spaced(), &[Field::Start, Field::Spacing]);
+        let cross = if_any(self.cross_terms.value > 0, &[Field::Base, Field::Value]);
         let wanted = match self.factors.is_some() {
             true => vec![Field::Table, Field::Value],
             false => [self.value_fields(true), places, cross].concat(),

@@ -530,9 +530,6 @@ pub(crate) const RULE: &str = "a rule of this program, not of the control";
 
 /// The same of a step or a key of a job: one that states nothing of it is a rule of this program.
 pub(crate) fn origin_or_rule(section: &Section<'_>) -> Option<Fact<()>> {
-    let is_stated = ["evidence", "source", "consequence"].map(|key| section.has(key));
-    match is_stated.contains(&true) {
-        true => complete_origin(section),
-        false => Some(Fact::rule(())),
-    }
+    let is_stated = ["evidence", "source", "consequence"].iter().any(|key| section.has(key));
+    if is_stated { complete_origin(section) } else { Some(Fact::rule(())) }
 }

@@ -165,9 +165,8 @@ impl<'a> Draft<'a> {
     /// The numbers of the points follow each other.
     fn check_number(&self, index: usize, row: &Row, what: &str) -> Result<(), Complaint> {
         let expected = f64::from(self.facts.first_point.value) + index as f64;
-        let is_numbered = self.rows[0].number.is_some();
         match row.number {
-            None if !is_numbered => Ok(()),
+            None if self.rows[0].number.is_none() => Ok(()),
             Some(number) if (number - expected).abs() < 0.5 => Ok(()),
             _ => Err(Complaint::new(
                 row.line.clone(),
@@ -236,9 +235,8 @@ fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint>
 /// Takes a field that was not there yet.
 fn put(fields: &mut Vec<(Field, Placed)>, field: Field, placed: Placed) -> Result<(), Complaint> {
     if fields.iter().any(|(own, _)| *own == field) {
-        let message = format!("a second `{}` here", field.word());
         let help = "of two values nobody knows which one the control takes";
-        return Err(Complaint::new(placed.1, message, help));
+        return Err(Complaint::new(placed.1, format!("a second `{}` here", field.word()), help));
     }
     fields.push((field, placed));
     Ok(())

@@ -309,10 +309,9 @@ fn blocks_of_program(text: &str) -> Result<Vec<Code>, Complaint> {
             _ => return Err(refuse(line, "a block outside the two `%` of a program")),
         }
     }
-    let end = text.len()..text.len();
     match frames {
         2 => Ok(blocks),
-        _ => Err(refuse(end, "a program stands between two `%`")),
+        _ => Err(refuse(text.len()..text.len(), "a program stands between two `%`")),
     }
 }
 

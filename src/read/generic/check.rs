@@ -270,9 +270,8 @@ fn index_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let [only] = block else {
         return None;
     };
-    let message = "a block of one point, expected two or more".to_string();
     let help = "a line needs two points; the rows after this one may have been lost";
-    Some(Flaw::new(*only, "term", message, help))
+    Some(Flaw::new(*only, "term", "a block of one point, expected two or more".to_string(), help))
 }
 
 /// Rows that do not lie behind the one before, or whose increment is not the change.

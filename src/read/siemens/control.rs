@@ -170,8 +170,7 @@ impl Memory<'_> {
 
     /// The clamp acts on the sum over all base axes, so no single response can show it.
     fn refuse_clamp(&self, output: &str) -> Emulated<()> {
-        let peaks = self.cec_of(output).map(|own| (own.table, self.peak_um(own)));
-        let largest = largest_sum(peaks);
+        let largest = largest_sum(self.cec_of(output).map(|own| (own.table, self.peak_um(own))));
         let limit = self.facts.cec_max_sum_um.value;
         if largest <= limit {
             return Ok(());

@@ -145,10 +145,7 @@ impl Memory {
         };
         let switched = self.all.tables.datum(&format!("{switch}[{index}]"));
         draft.protected = switched.and_then(|on| on.value.number()).is_some_and(|on| on > 0.0);
-        match draft.protected {
-            true => Err(protected(set, switch)),
-            false => Ok(()),
-        }
+        if draft.protected { Err(protected(set, switch)) } else { Ok(()) }
     }
 
     fn set_machine(&mut self, datum: MachineDatum) {

@@ -115,9 +115,8 @@ pub(super) fn check_characters(
     code: &Range<usize>,
 ) -> Result<(), Complaint> {
     let plain = |byte: &u8| *byte == b'\t' || (b' '..=b'~').contains(byte);
-    let bytes = source.as_bytes()[seen.clone()].iter();
     // Every byte is looked at, which takes less time than to stop at the first that is not plain.
-    if bytes.fold(true, |all, byte| all & plain(byte)) {
+    if source.as_bytes()[seen.clone()].iter().fold(true, |all, byte| all & plain(byte)) {
         return Ok(());
     }
     for (offset, c) in source[seen.clone()].char_indices() {
@@ -131,9 +130,8 @@ pub(super) fn check_characters(
             return Err(Complaint::new(span, message, "transfer the file again as plain text"));
         }
         if !c.is_ascii() && at < code.end {
-            let message = format!("`{c}` is not an ASCII character");
             let help = "outside comments the control reads ASCII only";
-            return Err(Complaint::new(span, message, help));
+            return Err(Complaint::new(span, format!("`{c}` is not an ASCII character"), help));
         }
     }
     Ok(())

@@ -115,9 +115,8 @@ fn too_much(name: &str, what: &str) -> Problem {
 
 /// A problem of a template that says more than a layout.
 fn no_layout(name: &str, template: &str, (span, message): Wrong) -> Problem {
-    let place = Place::in_text(name, template, span.start, span.end);
     Problem::new(format!("template `{name}` is refused: {message}"))
-        .at(place)
+        .at(Place::in_text(name, template, span.start, span.end))
         .help("a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/own-control.md §3)")
 }
 

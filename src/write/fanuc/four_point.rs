@@ -218,10 +218,7 @@ impl<'a> Gates<'a> {
             let mut nodes = inner
                 .iter()
                 .filter(|(b, amounts)| amounts.iter().any(|amount| outer[*b].contains(amount)));
-            let node = match self.side.is_mirrored {
-                true => nodes.next_back(),
-                false => nodes.next(),
-            };
+            let node = if self.side.is_mirrored { nodes.next_back() } else { nodes.next() };
             return Some(vec![node?.0, end]);
         }
         let (b, c) = self.joined(&inner, &outer)?;

@@ -88,9 +88,8 @@ impl<'a> Writer<'a> {
         let homing = machine.map_or(Direction::Plus, |axis| axis.homing());
         let carries_reversal =
             |planned: &PlannedTable| planned.direction.is_some_and(|own| own != homing);
-        let sign = self.facts.pitch_sign.value;
         let Some((magnification, reversal, totals)) =
-            magnify(self.facts, sign, &tables, carries_reversal, unit_um)
+            magnify(self.facts, self.facts.pitch_sign.value, &tables, carries_reversal, unit_um)
         else {
             let steepest = tables.iter().max_by(|a, b| steepest(a).total_cmp(&steepest(b)));
             if let Some(planned) = steepest {
@@ -129,9 +128,8 @@ impl<'a> Writer<'a> {
         self.memory.set(3621, id, run.first);
         self.memory.set(3622, id, run.last());
         self.memory.set(3623, id, magnification);
-        let digits = run.grid.spacing_digits;
         let interval = match self.facts.interval_form.value {
-            IntervalForm::Integer => ParameterValue::Integer(digits),
+            IntervalForm::Integer => ParameterValue::Integer(run.grid.spacing_digits),
             IntervalForm::Real => ParameterValue::Real(run.grid.written_spacing()),
         };
         let own = |number| ParameterKey { number, axis: id };
@@ -190,9 +188,8 @@ impl<'a> Writer<'a> {
 
     fn per_point(&mut self, set: &Set<'_>) {
         let facts = self.facts;
-        let sign = facts.straightness_sign.value;
         let Some((magnification, _, totals)) =
-            magnify(facts, sign, &[set.planned], |_| false, set.unit_um)
+            magnify(facts, facts.straightness_sign.value, &[set.planned], |_| false, set.unit_um)
         else {
             return self.refuse_steep(set.planned, set.unit_um);
         };

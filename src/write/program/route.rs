@@ -200,18 +200,14 @@ impl Scale {
     /// and the places of rest are no nodes: nothing is measured against them.
     pub(super) fn nearest(request: &ProgramRequest, resolution: LengthDigit) -> Scale {
         let volume = &request.volume;
-        let start = PerAxis::from_fn(|axis| resolution.nearest(volume.start[axis].mm()));
-        let step = PerAxis::from_fn(|axis| resolution.nearest(volume.step_mm(axis)));
         Scale {
             resolution,
-            start,
-            step,
+            start: PerAxis::from_fn(|axis| resolution.nearest(volume.start[axis].mm())),
+            step: PerAxis::from_fn(|axis| resolution.nearest(volume.step_mm(axis))),
             rest: PerAxis::from_fn(|axis| resolution.nearest(request.rest_of(axis).mm())),
             preload: resolution.at_least(request.preload.mm()),
             overrun: resolution.at_least(request.overrun.mm()),
-            targets: PerAxis::from_fn(|axis| {
-                targets(request, resolution, axis, start[axis], step[axis])
-            }),
+            targets: PerAxis::from_fn(|axis| targets(request, resolution, axis)),
         }
     }
 }
@@ -268,16 +264,12 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Targets of one axis, ascending. Offset targets: Pi = start + i·p + r_i with
 /// r_i = a·(2·frac(g·(i + 1)) − 1), g = 0.618…, a = the largest shift; the first is shifted inwards by
 /// |r_0|, the last by |r_n|, so all lie in the box. The shifts are the same in every version.
-fn targets(
-    request: &ProgramRequest,
-    resolution: LengthDigit,
-    axis: Axis,
-    start: Digits,
-    step: Digits,
-) -> Vec<Digits> {
+fn targets(request: &ProgramRequest, resolution: LengthDigit, axis: Axis) -> Vec<Digits> {
     let volume = &request.volume;
     let last = volume.steps;
     let TargetGrid::Offset { shift } = request.targets else {
+        let start = resolution.nearest(volume.start[axis].mm());
+        let step = resolution.nearest(volume.step_mm(axis));
         let counts = 0..=i64::try_from(last).unwrap_or(0);
         return counts.map(|count| start + count * step).collect();
     };
