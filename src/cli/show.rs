@@ -8,7 +8,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
 use crate::kit::Inputs;
-use crate::machine::model::ErrorModel;
+use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::{Direction, ErrorTerm, Figure, Plane};
@@ -155,7 +155,9 @@ pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
     if !squareness.is_empty() {
         squareness += " (positive: less than 90° between the positive axes)";
     }
-    let reversals = model.measured().filter_map(|(term, measured)| {
+    // Equal curves tell none: one is written for both directions where nothing tells them apart.
+    let is_told = |(_, own): &(_, &MeasuredTerm)| own.curves().next() != own.curves().nth(1);
+    let reversals = model.measured().filter(is_told).filter_map(|(term, measured)| {
         Some(format!("{term} {:+.3}", Figure(measured.reversal()?.um())))
     });
     let reversals = named("reversal B (mean moving + minus mean moving -), µm", reversals);

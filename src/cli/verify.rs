@@ -16,6 +16,7 @@ use crate::kit::visit_plan::{Judged, WhatDecides};
 use crate::kit::{Inputs, SecondLook, Verification, remarks, second_look};
 use crate::machine::model::ErrorModel;
 use crate::page::{Locale, Picture};
+use crate::quantity::ErrorTerm;
 use crate::text::{Finding, Named, Problems, Severity, of_severity};
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, read_directory};
@@ -232,7 +233,10 @@ impl Page<'_> {
         if let Some(forecast) =
             self.verification.forecast.as_ref().filter(|_| !grounds.terms.is_empty())
         {
-            grounds.terms = forecast.grounds(&self.inputs.job).terms;
+            let as_left = std::mem::take(&mut grounds.terms);
+            let asked = forecast.grounds(&self.inputs.job).terms;
+            let is_judged = |of: &ErrorTerm| asked.contains(of) || as_left.contains(of);
+            grounds.terms = ErrorTerm::ALL.into_iter().filter(is_judged).collect();
         }
         grounds
     }

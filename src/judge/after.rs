@@ -67,6 +67,8 @@ pub struct Comparison {
     pub diagonals: Vec<ComparedLine>,
     /// The measured figures in the shape of a forecast, for verdict and misses.
     pub as_left: Forecast,
+    /// The same where the rotation between both measurements is not known, in the frame in which least is left.
+    pub in_best_frame: Option<Forecast>,
     /// Terms found before and not measured afterwards.
     pub missing: Vec<ErrorTerm>,
     /// Why the values afterwards are no measurement of this machine with its tables, or decide nothing in
@@ -75,18 +77,13 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The verdict on the figures as left. Where both measurements count from different frames a slope beyond the limit may be
-    /// the rotation between them: only what holds none of it is beyond for sure.
+    /// The verdict on the figures as left. Where both measurements count from different frames what is beyond the limit may be
+    /// the rotation between them: only what is so in the best frame, too, is beyond for sure.
     pub(crate) fn verdict(&self, asked: Acceptance) -> Verdict {
-        let rotates =
-            |of: &Finding| matches!(of.kind(), Some(AsLeft::OtherFrame { .. } | AsLeft::OwnFrames));
-        let verdict = self.as_left.verdict(asked);
-        if verdict < Verdict::Fail || !self.findings.iter().any(rotates) {
-            return verdict;
+        match (self.as_left.verdict(asked), &self.in_best_frame) {
+            (Verdict::Fail, Some(best)) => best.verdict(asked).max(Verdict::Undecided),
+            (verdict, _) => verdict,
         }
-        let mut sure = self.as_left.clone();
-        sure.terms.retain(|of| of.term.is_positioning());
-        sure.verdict(asked).max(Verdict::Undecided)
     }
 
     /// Whether the values afterwards may be a measurement of this machine with its tables.
@@ -151,7 +148,15 @@ pub fn compare(
     let missing = before.measured().map(|(term, _)| term).filter(is_missing).collect();
     let mut findings = ground::findings(machine.as_measured, before, after);
     findings.extend(off_forecast(before, after, &as_left, &terms).map(Finding::from));
-    Ok(Comparison { terms, diagonals, as_left, findings, missing })
+    let rotates =
+        |of: &Finding| matches!(of.kind(), Some(AsLeft::OtherFrame { .. } | AsLeft::OwnFrames));
+    let in_best_frame = match after {
+        AfterMeasurement::Errors(model) if findings.iter().any(rotates) => {
+            Some(bare(&model.in_best_frame(job), plan, job).bounded(Basis::Measured))
+        }
+        _ => None,
+    };
+    Ok(Comparison { terms, diagonals, as_left, in_best_frame, findings, missing })
 }
 
 /// Largest |as left − forecast| of a term over the positions measured afterwards, µm.

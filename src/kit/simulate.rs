@@ -179,14 +179,15 @@ impl Rehearsal {
         let angle_table = inputs.angles.as_ref().filter(|_| is_of_diagonals);
         let measured = job.measurement.diagonals();
         let mut measurement = measured.map_or_else(|| programmed(job), |own| Ok(own.clone()))?;
-        let is_its_run = |run: &&ProgramRequest| {
-            run.measured().is_some_and(|programmed| programmed.kind == measurement.kind)
-        };
-        let program = job.program.as_ref().filter(is_its_run);
         if wishes.straight {
             measurement.kind = PathKind::Straight;
             measurement.target = Reflector::Retroreflector;
         }
+        let is_its_run = |run: &&ProgramRequest| {
+            measured.is_none()
+                || run.measured().is_some_and(|programmed| programmed.kind == measurement.kind)
+        };
+        let program = job.program.as_ref().filter(is_its_run);
         let angles = angle_table.map(|table| angles(job, &measurement, table)).transpose()?;
         let overrun = measurement.overrun.or(program.and_then(ProgramRequest::runs_over));
         let is_assumed = wishes.both_directions && overrun.is_none();

@@ -210,9 +210,8 @@ impl Visit<'_> {
         }
         let size = |axis| step(axis) * steps;
         let start = |axis| {
-            let off = (self.length(axis) - size(axis)) / 2.0;
-            let whole = if self.inches { (off / digit_mm).floor() * digit_mm } else { off };
-            self.travel[axis].0 + whole
+            let mm = self.travel[axis].0 + (self.length(axis) - size(axis)) / 2.0;
+            if self.inches { (mm / digit_mm).floor() * digit_mm } else { mm }
         };
         let one = |axis: Axis, mm| format!("{} = {}", axis.key(), millimetres(mm));
         let place = |of: &dyn Fn(Axis) -> f64| joined(Axis::ALL.map(|axis| one(axis, of(axis))));

@@ -83,14 +83,26 @@ impl MeasuredTerm {
     }
 
     /// Reversal B = mean deviation moving + minus mean deviation moving − over the target
-    /// positions that both directions cover (contract §1; ISO 230-2), µm; `None` = one curve, or one that stands for both.
+    /// positions that both directions cover (contract §1; ISO 230-2), µm.
     pub fn reversal(&self) -> Option<Deviation> {
         let Measured::BothWays { plus, minus } = &self.measured else {
             return None;
         };
-        let difference = plus.difference(minus).filter(|_| plus != minus)?;
+        let difference = plus.difference(minus)?;
         let um = difference.knots().iter().map(|at| difference.at(*at).um());
         Some(Deviation::from_um(mean(um)))
+    }
+
+    /// Adds a slope, µm/m. Outside the measured range the tilt is held with the curve, so off that range the line has its
+    /// zero at the near end: the reference stays zero.
+    fn tilt(&mut self, um_per_m: f64, machine: MachineAxis) {
+        let homing = self.measured.curve(machine.homing());
+        let Some(curve) = homing.or(self.curves().next()) else { return };
+        let (low, high) = curve.measured_range();
+        let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
+        let ways = self.measured.ways();
+        let tilted = ways.map(|(way, curve)| (way, curve.plus_slope(um_per_m, zero)));
+        self.measured = Measured::of(tilted).unwrap_or_else(|| self.measured.clone());
     }
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
@@ -390,16 +402,22 @@ impl ErrorModel {
                 problems.push(job.problem_at(&key, words).help(help));
                 continue;
             };
-            // Outside the measured range the tilt is held with the curve, so off that range the line has
-            // its zero at the near end: the reference stays zero.
-            let homing = measured.measured.curve(machine.homing());
-            let Some(curve) = homing.or(measured.curves().next()) else { continue };
-            let (low, high) = curve.measured_range();
-            let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
-            let ways = measured.measured.ways();
-            let tilted = ways.map(|(way, curve)| (way, curve.plus_slope(*stated, zero)));
-            measured.measured = Measured::of(tilted).unwrap_or_else(|| measured.measured.clone());
+            measured.tilt(*stated, machine);
         }
+    }
+
+    /// The same in the frame in which the slopes of each plane are as small as a rotation makes them: both are half of the
+    /// squareness; of one without the other nothing is left.
+    pub(crate) fn in_best_frame(&self, job: &Job) -> ErrorModel {
+        let mut model = self.clone();
+        for term in ErrorTerm::ALL.into_iter().filter(|term| term.is_cross()) {
+            let machine = job.machine.axes[term.along];
+            if let (Some(own), Some(machine)) = (model.terms[term].as_mut(), machine) {
+                let half = slopes(&self.terms, term).unwrap_or(0.0) / 2.0;
+                own.tilt(half - own.end_point_slope_um_per_m(), machine);
+            }
+        }
+        model
     }
 }
 

@@ -65,11 +65,13 @@ impl Source {
 
     /// The place of bytes of the text.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        match self.below.iter().rfind(|(from, _)| *from <= span.start) {
-            None => self.lines.place(&self.name, &self.text, span.start, span.end),
+        let next = self.below.partition_point(|(from, _)| *from <= span.start);
+        let end = self.below.get(next).map_or(self.text.len(), |(from, _)| *from);
+        match next.checked_sub(1).map(|page| &self.below[page]) {
+            None => self.lines.place(&self.name, &self.text[..end], span.start, span.end),
             Some((from, name)) => {
-                let [start, end] = [span.start, span.end].map(|at| at.saturating_sub(*from));
-                LineIndex::default().place(name, &self.text[*from..], start, end)
+                let text = &self.text[*from..end];
+                LineIndex::default().place(name, text, span.start - from, span.end - from)
             }
         }
     }

@@ -19,7 +19,7 @@ use crate::write::family::{
 };
 use crate::write::grid::{LengthDigit, as_number, whole};
 use crate::write::selection::TableStock;
-use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
+use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key, axis_pairs};
 use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
@@ -85,6 +85,7 @@ impl Family for FanucFacts {
             out.pitch(run);
         }
         out.straightness(&runs);
+        check_3605(task, &mut out.problems);
         check_backlash(task, plan, &mut out.problems);
         out.placements.sort_by_key(|p| {
             let is_of = |t: &PlannedTable| (t.term, t.direction) == (p.term, p.direction);
@@ -280,6 +281,27 @@ const LARGEST_BACKLASH: f64 = 9999.0; // 1851, detection units; parameter manual
 fn backlash_counts(task: Task<'_>, plan: &Plan, axis: Axis) -> Option<(f64, f64)> {
     let (um, unit_um) = (plan.backlash_um[axis]?, task.detection_unit_um(axis)?);
     Some(((um / unit_um).round() + 0.0, unit_um))
+}
+
+/// 3605 as it was found: what is not emulated, and what the job says otherwise.
+fn check_3605(task: Task<'_>, problems: &mut Problems) {
+    for axis in Axis::ALL {
+        let Some(settings) = task.settings(axis) else { continue };
+        let Some(bits) = settings.parameter_3605 else { continue };
+        if bits & 0b1100 != 0 {
+            let words = "3605 with bit 2 or 3 (arbitrary-pitch, cyclic second compensation) is not emulated";
+            let problem = task.job.problem_at(&axis_key(axis, ".parameter_3605"), words);
+            problems.push(
+                problem.help("such a control is not served; are the bits those of this axis?"),
+            );
+        }
+        let found = (bits >> 1) & 1;
+        if let Some(stated) = settings.interpolated.filter(|stated| u8::from(*stated) != found) {
+            let words = format!("`interpolated` is {stated}, but 3605#1 was found as {found}");
+            let problem = task.job.problem_at(&axis_key(axis, ".interpolated"), words);
+            problems.push(problem.help("leave `interpolated` out: 3605#1 stays as it was found"));
+        }
+    }
 }
 
 fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {

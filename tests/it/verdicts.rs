@@ -168,7 +168,7 @@ fn what_was_not_measured_decides_nothing() {
 #[test]
 fn the_verdict_names_what_no_figure_holds() {
     let job = cube_job("noise_um = 0.1\ntemperature_k = 1", "max_deviation_um = 5");
-    let words = ["reversal not measured", "holds in its own uncertainties: temperature_k"];
+    let words = ["reversal not measured", "not counted: temperature_k"];
     verdict(&Visit::with(&job, cube(&TENTHS, 1.0)), GENERATE, "", &words);
     let job = one_axis("", "max_deviation_um = 5");
     let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");

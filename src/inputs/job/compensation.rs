@@ -248,27 +248,6 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
         section.in_order("end_mm", [start, end]);
     }
-    if settings.parameter_3605.is_some_and(|bits| bits & 0b1100 != 0) {
-        let words =
-            "3605 with bit 2 or 3 (arbitrary-pitch, cyclic second compensation) is not emulated";
-        section.problem(
-            "parameter_3605",
-            words,
-            "such a control is not served; are the bits those of this axis?",
-        );
-    }
-    let found = settings.parameter_3605.map(|bits| bits & 0b10 != 0);
-    if let (Some(found), Some(stated)) = (found, settings.interpolated)
-        && found != stated
-    {
-        let words =
-            format!("`interpolated` is {stated}, but 3605#1 was found as {}", u8::from(found));
-        section.problem(
-            "interpolated",
-            words,
-            "leave `interpolated` out: 3605#1 stays as it was found",
-        );
-    }
     Some(settings)
 }
 

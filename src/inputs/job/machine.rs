@@ -112,7 +112,7 @@ section! {
 
 section! {
     /// `[acceptance]`.
-    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[derive(Clone, Copy, Debug, PartialEq, Default)]
     pub struct Acceptance(section: &Section<'_>, axes: &Axes) {
         /// limit of the residual of each error, µm; remove the line where nothing is agreed
         pub max_deviation_um: Option<f64> = between(LIMITS, "µm");

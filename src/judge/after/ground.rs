@@ -3,7 +3,7 @@
 
 use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::inputs::error_table::Cause;
-use crate::inputs::job::{Frame, Job, Linear, LinearSlope, MeasuredData};
+use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope, MeasuredData};
 use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, Volume};
@@ -28,7 +28,7 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
         }
     }
     problems.extend(same_kind_of_scale(first, second));
-    if !second.acceptance.asks_nothing() && second.acceptance != first.acceptance {
+    if ![Acceptance::default(), first.acceptance].contains(&second.acceptance) {
         let words = "the second job asks for other limits than the first";
         let help = "both are judged by those of the first job: state there what is asked, and nothing here";
         problems.push(second.problem_at("acceptance", words).help(help));

@@ -257,7 +257,7 @@ impl fmt::Display for RestsOn {
             }
             RestsOn::Unused(keys) => write!(
                 out,
-                "stated of readings, which a table of errors holds in its own uncertainties: {}",
+                "not counted: {} concern readings; a table of errors has to hold them in its own uncertainties",
                 keys.join(", ")
             ),
             RestsOn::NineNeeded => out.write_str(
