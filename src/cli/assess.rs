@@ -3,7 +3,7 @@
 mod page;
 mod text;
 
-use crate::cli::outcome::{Outcome, Shows};
+use crate::cli::outcome::{Outcome, Shows, positive};
 use crate::inputs::job::UseOf;
 use crate::inputs::kind::FileKind;
 use crate::kit::{Inputs, Loaded, generate};
@@ -13,7 +13,7 @@ use crate::text::{Problem, Problems};
 use crate::visit::files::Files;
 use crate::visit::inputs::{self, Corrected, read_directory};
 use crate::visit::job_files::Given;
-use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, three};
+use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 pub(super) use page::Page;
@@ -31,8 +31,18 @@ pub(super) struct Options {
     /// Nodes of X, Y and Z, equally spaced, e.g. 21,21,21; `nodes` = the table's own
     #[arg(long, value_name = "NX,NY,NZ", default_value = "nodes", value_parser = grid_word)]
     grid: GridChoice,
-    #[command(flatten)]
-    request: Request,
+    /// Size of a sub-volume, mm: worst, best and corner one of its figures
+    #[arg(long, value_name = "X,Y,Z", value_parser = window_word)]
+    window: Option<PerAxis<f64>>,
+    /// Distribution of all differences, in bins of this width, µm
+    #[arg(long, value_name = "UM", value_parser = positive)]
+    histogram: Option<f64>,
+    /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
+    #[arg(long, value_name = "TOL", value_parser = positive)]
+    grouping: Option<f64>,
+    /// Also the error at each node of the grid (with `--format json`)
+    #[arg(long)]
+    vectors: bool,
     #[command(flatten)]
     tables: AskedTables,
     /// Chain of the machine, for an error table with angles that no job describes, e.g. wXYZt
@@ -80,6 +90,12 @@ impl AskedTables {
     }
 }
 
+fn three<T: Copy>(text: &str, read: impl Fn(&str) -> Option<T>) -> Option<PerAxis<T>> {
+    let parts: Option<Vec<T>> = text.split(',').map(|part| read(part.trim())).collect();
+    let [x, y, z] = parts?.try_into().ok()?;
+    Some(PerAxis { x, y, z })
+}
+
 fn grid_word(text: &str) -> Result<GridChoice, String> {
     if text == "nodes" {
         return Ok(GridChoice::OwnNodes);
@@ -92,6 +108,11 @@ fn grid_word(text: &str) -> Result<GridChoice, String> {
         .ok_or_else(|| {
             format!("expected `nodes` or three numbers of nodes such as 21,21,21 (1 … {MOST_NODES} each, {MOST_POINTS} together)")
         })
+}
+
+fn window_word(text: &str) -> Result<PerAxis<f64>, String> {
+    let sizes = three(text, |part| positive(part).ok());
+    sizes.ok_or_else(|| "expected three lengths in mm such as 300,200,200".to_string())
 }
 
 fn chain_word(text: &str) -> Result<Chain, String> {
@@ -107,6 +128,12 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 }
 
 fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
+    let request = Request {
+        window_mm: options.window,
+        histogram_um: options.histogram,
+        grouping: options.grouping,
+        vectors: options.vectors,
+    };
     let file = Given::read(files, &options.file)?;
     let inputs = match file.kind() {
         FileKind::Job => {
@@ -120,7 +147,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
     let corrected = options.tables.corrected(files, &inputs, &volume)?;
-    Ok(Page::of(&inputs, volume, corrected, options.grid, &options.request)?)
+    Ok(Page::of(&inputs, volume, corrected, options.grid, &request)?)
 }
 
 fn names_no_control(file: &Given<'_>) -> Problem {
@@ -173,9 +200,7 @@ fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
         }
     }
     for (axis, length) in lengths {
-        if let Some(size) =
-            options.request.window_mm.map(|size| size[axis]).filter(|size| *size > length)
-        {
+        if let Some(size) = options.window.map(|size| size[axis]).filter(|size| *size > length) {
             return Err(Problem::new(format!(
                 "the sub-volume is {size} mm long in {axis}, but the volume only {} mm",
                 text::short(length)

@@ -1,9 +1,8 @@
 //! `nonius plan JOB`
 
-use crate::cli::outcome::{Outcome, Print};
+use crate::cli::outcome::{Outcome, Print, number};
 use crate::cli::screen::{More, Screen, list, paragraphs, table, wrapped};
 use crate::cli::show::um;
-use crate::inputs::import::stated::number;
 use crate::inputs::job::{Job, UseOf};
 use crate::judge::findings::joined;
 use crate::kit::visit_plan::{Design, SetUpTimes, Visit, VisitPlan, listed as in_words, plan};

@@ -1,11 +1,10 @@
 //! `nonius simulate JOB -o readings.csv`
 
-use crate::cli::outcome::{Outcome, Output, held};
+use crate::cli::outcome::{Outcome, Output, held, number};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show;
 use crate::control::controller::KitFile;
 use crate::inputs::error_table;
-use crate::inputs::import::stated::number;
 use crate::inputs::job::UseOf;
 use crate::kit::findings::InRehearsal;
 use crate::kit::simulate::{
@@ -40,8 +39,22 @@ pub(super) struct Options {
     /// An error table instead: what single-axis measurements show at the measured positions
     #[arg(long, conflicts_with_all = ["straight", "both_directions"])]
     errors: bool,
-    #[command(flatten)]
-    wishes: Wishes,
+    /// Straight runs (all axes together), also where the job measures in steps
+    #[arg(long)]
+    straight: bool,
+    /// The way back too; a section [program] states it by itself
+    #[arg(long)]
+    both_directions: bool,
+    /// Number of runs [default: as [program] states, else 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    runs: Option<u32>,
+    /// Standard deviation of the noise of every reading, µm
+    #[arg(long, value_name = "S", default_value_t = 0.0,
+        value_parser = |text: &str| number(text, 0.0..=LARGEST_NOISE_UM, "µm"))]
+    noise_um: f64,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
     /// Growth of every scale since the measurement, µm/m (11.5 = steel, 1 K warmer)
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true,
         value_parser = |text: &str| number(text, -LARGEST_SCALE_UM_PER_M..=LARGEST_SCALE_UM_PER_M, "µm/m"))]
@@ -50,6 +63,8 @@ pub(super) struct Options {
     output: Output,
 }
 
+/// No laser on a machine is worse, µm.
+const LARGEST_NOISE_UM: f64 = 100.0;
 /// More than forty kelvin, µm/m.
 const LARGEST_SCALE_UM_PER_M: f64 = 500.0;
 
@@ -57,7 +72,13 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.output.ensure_new(files, "the readings")?;
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
     let inputs = inputs::read_job(files, machine, &job, UseOf::Tables)?;
-    let (wishes, noise) = (options.wishes, options.wishes.noise);
+    let noise = Noise { um: options.noise_um, seed: options.seed };
+    let wishes = Wishes {
+        straight: options.straight,
+        both_directions: options.both_directions,
+        runs: options.runs,
+        noise,
+    };
     let rehearsal = if options.errors { None } else { Some(Rehearsal::of(&inputs, wishes)?) };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
@@ -65,7 +86,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m)?;
     let rehearsal = rehearsal.as_ref();
     let comments = origin.comments(&inputs, noise);
-    let runs = rehearsal.map_or(wishes.runs.unwrap_or(1), |of| of.runs);
+    let runs = rehearsal.map_or(options.runs.unwrap_or(1), |of| of.runs);
     let (text, what, positions, simulation) = match rehearsal {
         None => {
             let draft = single_axes(&machine, runs, noise, comments);

@@ -226,17 +226,14 @@ impl Page<'_> {
         self.second.as_ref().map(|(second, _)| second.protocol()).unwrap_or_default()
     }
 
-    /// What the verdict is made of; asked is what the tables were made for.
+    /// What the verdict is made of; asked is what the tables were made for, too.
     pub(super) fn grounds(&self) -> Grounds {
         let of = |judged: &Forecast| judged.grounds(&self.inputs.job);
         let mut grounds = self.judged().map(of).unwrap_or_default();
-        if let Some(forecast) =
-            self.verification.forecast.as_ref().filter(|_| !grounds.terms.is_empty())
-        {
-            let as_left = std::mem::take(&mut grounds.terms);
-            let asked = forecast.grounds(&self.inputs.job).terms;
-            let is_judged = |of: &ErrorTerm| asked.contains(of) || as_left.contains(of);
-            grounds.terms = ErrorTerm::ALL.into_iter().filter(is_judged).collect();
+        if !grounds.terms.is_empty() {
+            let asked = self.verification.forecast.iter().flat_map(|of| &of.terms);
+            let all: Vec<ErrorTerm> = asked.map(|of| of.term).chain(grounds.terms).collect();
+            grounds.terms = ErrorTerm::ALL.into_iter().filter(|of| all.contains(of)).collect();
         }
         grounds
     }

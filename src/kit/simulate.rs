@@ -19,7 +19,6 @@ mod readings;
 pub use self::readings::{Predicted, Simulation, SimulationSource, readings, single_axes, write};
 use crate::control::controller::KitFile;
 pub use crate::inputs::error_table::SIMULATED;
-use crate::inputs::import::stated::number;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
@@ -37,7 +36,6 @@ use crate::read::ReadFinding;
 use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::compile;
 use crate::write::plan::plan;
-use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -118,36 +116,26 @@ pub fn rehearsed<'a>(
     Ok(loaded)
 }
 
-/// No laser on a machine is worse, µm.
-const LARGEST_NOISE_UM: f64 = 100.0;
-
 /// Normal noise of every single reading.
-#[derive(Args, Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Noise {
-    /// Standard deviation of the noise of every reading, µm
-    #[arg(long = "noise-um", value_name = "S", default_value_t = 0.0,
-        value_parser = |text: &str| number(text, 0.0..=LARGEST_NOISE_UM, "µm"))]
+    /// Standard deviation, µm; 0 = none.
     #[serde(rename = "noise_um")]
     pub um: f64,
-    /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    /// Seed of the generator.
     pub seed: u64,
 }
 
 /// What is asked for beside the job.
-#[derive(Args, Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Wishes {
-    /// Straight runs (all axes together), also where the job measures in steps
-    #[arg(long)]
+    /// Straight runs, whatever the job measures.
     pub straight: bool,
-    /// The way back too; a section [program] states it by itself
-    #[arg(long)]
+    /// The return pass too, whatever the job measures.
     pub both_directions: bool,
-    /// Number of runs [default: as [program] states, else 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    /// Number of runs; `None` = as `[program]` states, else 1.
     pub runs: Option<u32>,
     /// Noise of a reading.
-    #[command(flatten)]
     pub noise: Noise,
 }
 

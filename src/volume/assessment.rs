@@ -16,43 +16,19 @@ use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
 use crate::volume::space::histogram;
 use crate::volume::space::histogram::{Estimate, Tolerance, estimate, grouping};
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel, of_both};
-use clap::Args;
 use serde::Serialize;
 
 /// What is asked of a volume beside its figures.
-#[derive(Args, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Size of a sub-volume, mm: worst, best and corner one of its figures
-    #[arg(long = "window", value_name = "X,Y,Z", value_parser = window_word)]
+    /// Size of a sub-volume, mm.
     pub window_mm: Option<PerAxis<f64>>,
-    /// Distribution of all differences, in bins of this width, µm
-    #[arg(long = "histogram", value_name = "UM", value_parser = positive)]
+    /// Width of the bins of the histogram, µm.
     pub histogram_um: Option<f64>,
-    /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
-    #[arg(long, value_name = "TOL", value_parser = positive)]
+    /// Angular tolerance of the grouping of paper 002, which is put beside the exact figure.
     pub grouping: Option<f64>,
-    /// Also the error at each node of the grid (with `--format json`)
-    #[arg(long)]
+    /// Whether the error at each node is told, too.
     pub vectors: bool,
-}
-
-/// A number above 0.
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok();
-    let number = number.filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0, e.g. 10".to_string())
-}
-
-/// One for each axis, between commas.
-pub(crate) fn three<T: Copy>(text: &str, read: impl Fn(&str) -> Option<T>) -> Option<PerAxis<T>> {
-    let parts: Option<Vec<T>> = text.split(',').map(|part| read(part.trim())).collect();
-    let [x, y, z] = parts?.try_into().ok()?;
-    Some(PerAxis { x, y, z })
-}
-
-fn window_word(text: &str) -> Result<PerAxis<f64>, String> {
-    let sizes = three(text, |part| positive(part).ok());
-    sizes.ok_or_else(|| "expected three lengths in mm such as 300,200,200".to_string())
 }
 
 /// The errors at the nodes of a grid, X slowest.

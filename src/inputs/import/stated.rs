@@ -9,7 +9,6 @@ use crate::quantity::{Axis, Direction};
 use crate::text::{LONGEST_MM, LengthUnit, Notes, Problem, joined};
 use clap::{Args, ValueEnum};
 use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
-use std::ops::RangeInclusive;
 
 /// Formats that can be read, in the order of the documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -191,15 +190,6 @@ fn term_word(text: &str) -> Result<Component, String> {
 pub fn millimetres(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|mm| mm.abs() <= LONGEST_MM);
     number.ok_or_else(|| "expected a number of mm, with a decimal point".to_string())
-}
-
-/// A number within a range; beyond it a unit was mistaken.
-pub(crate) fn number(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
-    let number: Option<f64> = text.parse().ok();
-    let (low, high) = (range.start(), range.end());
-    number.filter(|number| range.contains(number)).ok_or_else(|| {
-        format!("expected a number from {low} to {high} {unit}, with a decimal point")
-    })
 }
 
 /// Encodings that may be stated, and who writes them.
