@@ -16,6 +16,7 @@ use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
 use crate::volume::space::histogram;
 use crate::volume::space::histogram::{Estimate, Tolerance, estimate, grouping};
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel, of_both};
+use nonius_numerics::threads;
 use serde::Serialize;
 
 /// What is asked of a volume beside its figures.
@@ -173,8 +174,7 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
     };
     let vectors = map.vectors();
     if pairs <= histogram::EXACT_PAIRS {
-        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let counts = histogram::exact(&vectors.vectors(), bin_um, threads);
+        let counts = histogram::exact(&vectors.vectors(), bin_um, threads::count());
         let counts = Counts::Counted(counts.ok_or_else(too_fine)?);
         return Ok(Histogram { bin_um, counts, exact: true, pairs, sampled: None });
     }

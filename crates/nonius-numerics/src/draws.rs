@@ -8,7 +8,7 @@
 
 use crate::rows::{CurveRows, Model};
 use chacha20::ChaCha8Rng;
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// Draws that are made side by side: as many as a processor adds and multiplies at once.
 pub const LANES: usize = 4;
@@ -26,7 +26,7 @@ pub struct Curves<'a> {
     pub model: &'a Model,
     /// Of each curve.
     pub rows: Vec<CurveRows>,
-    acting: OnceCell<Vec<Acting>>,
+    acting: OnceLock<Vec<Acting>>,
 }
 
 /// What causes make of a curve: shapes, and how many times each of them a unit of each cause makes.
@@ -78,7 +78,7 @@ fn length(values: &[f64]) -> f64 {
 impl<'a> Curves<'a> {
     /// Curves of a measurement.
     pub fn new(model: &'a Model, rows: Vec<CurveRows>) -> Curves<'a> {
-        Curves { model, rows, acting: OnceCell::new() }
+        Curves { model, rows, acting: OnceLock::new() }
     }
 
     fn acting(&self) -> &[Acting] {

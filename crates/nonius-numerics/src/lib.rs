@@ -7,3 +7,4 @@ pub mod draws;
 pub mod quantity;
 pub mod rows;
 pub mod space;
+pub mod threads;

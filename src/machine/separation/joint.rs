@@ -27,6 +27,7 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
 use nonius_numerics::draws::{self, Curves, LANES, Lanes, alike, root_mean_squares, sum};
 use nonius_numerics::rows::Row;
+use nonius_numerics::threads;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
 use std::array::from_fn;
 
@@ -69,14 +70,14 @@ impl Table<'_> {
         }
         let angles = &self.of.model.angles;
         let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
-        let first = || (0..DRAWS).step_by(LANES);
         // What another measurement does not repeat; how many times the laser acts that it repeats.
         let anew = |first| {
             let mut random = randoms(first);
             let noise = random.each_mut().map(|random| self.estimate(random));
             self.rows.drawn(noise, &mut random, self.laser)
         };
-        let (mut drawn, lasers): (Vec<Vec<Lanes>>, Vec<Lanes>) = first().map(anew).unzip();
+        let (mut drawn, lasers): (Vec<Vec<Lanes>>, Vec<Lanes>) =
+            each(DRAWS, anew).into_iter().unzip();
         let u = root_mean_squares(&drawn);
         let mut with_laser = u.clone();
         if let Some(at) = self.laser {
@@ -85,10 +86,10 @@ impl Table<'_> {
             each.for_each(|(anew, times)| self.rows.add(&[(at, *times)], anew));
             with_laser.iter_mut().zip(&laser).for_each(|(u, [um, ..])| *u = u.hypot(*um));
         }
-        let ranges: Vec<PerDiagonal<Lanes>> = drawn.iter().map(|anew| self.ranges(anew)).collect();
+        let ranges = each(DRAWS, |first| self.ranges(&drawn[first / LANES]));
         let at_most = self.ranges_at_most();
         let at_most = PerDiagonal::from_fn(|d| [at_most[d]; LANES]);
-        let repeated: Vec<Acting> = first().map(|first| self.repeated(first)).collect();
+        let repeated: Vec<Acting> = each(DRAWS, |first| self.repeated(first));
         let times = |first: usize| {
             let mut random = randoms(2 * DRAWS + first);
             from_fn(|lane| {
@@ -99,17 +100,18 @@ impl Table<'_> {
         let repeats_nothing = self.laser.is_none() && orders.iter().all(Vec::is_empty);
         let times: Vec<Lanes> = match repeats_nothing {
             true => vec![[student(CONFIDENCE, self.freedom()); LANES]; drawn.len()],
-            false => first().map(times).collect(),
+            false => each(DRAWS, times),
         };
         let measured = alike(&self.um);
         let of_order = |order: &Vec<usize>| {
-            let of_draws = |(at, anew): (usize, &Vec<Lanes>)| {
+            let of_draws = |first: usize| {
+                let (at, anew) = (first / LANES, &drawn[first / LANES]);
                 let acting = acting(order, &repeated[at]);
                 let left = self.terms(anew, &acting[..order.len()], [0.0; LANES], &u);
                 let found = self.terms(&measured, &acting, times[at], &u);
                 (sizes(&left, &ranges[at]), sizes(&found, &at_most))
             };
-            let (left, found): (Vec<_>, Vec<_>) = drawn.iter().enumerate().map(of_draws).unzip();
+            let (left, found): (Vec<_>, Vec<_>) = each(DRAWS, of_draws).into_iter().unzip();
             [left, found].map(|draws| quantiles(zero(job), draws.as_flattened()))
         };
         let all = orders.iter().map(of_order);
@@ -291,6 +293,11 @@ fn acting(order: &[usize], repeated: &Acting) -> Acting {
     let mut acting = repeated.clone();
     acting.iter_mut().zip(order).for_each(|((at, _), own)| *at = *own);
     acting
+}
+
+/// Something of all draws, [`LANES`] at a time.
+fn each<T: Send>(draws: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    threads::of_numbers(draws, LANES, of)
 }
 
 /// A generator for each of some draws.

@@ -12,6 +12,7 @@
 use crate::space::grid_map::{GridMap, Node, Vector, node};
 use crate::space::pair::{Ends, Longest, Point, dot, square};
 use crate::space::{diameter, pair};
+use crate::threads::of_parts;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
@@ -74,17 +75,7 @@ fn in_threads(cloud: &Cloud<'_>, threads: usize) -> Vec<Box<Tally>> {
         part.for_each(|one| count(cloud, one, &mut tally));
         tally
     };
-    let mut parts = parts(cloud.exact.len(), threads.max(1)).into_iter();
-    let first = parts.next();
-    std::thread::scope(|scope| {
-        let running: Vec<_> = parts.map(|part| scope.spawn(move || work(part))).collect();
-        // One part in this thread: a page in a browser has no other.
-        let own = first.map(work);
-        let joined = running
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|reason| std::panic::resume_unwind(reason)));
-        own.into_iter().chain(joined).collect()
-    })
+    of_parts(parts(cloud.exact.len(), threads.max(1)), work)
 }
 
 /// Ranges of vectors with about as many pairs with those that follow.

@@ -10,7 +10,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, acting, between, quantile, randoms};
+use super::{CONFIDENCE, Table, TableCurve, acting, between, each, quantile, randoms};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
@@ -176,7 +176,7 @@ impl Table<'_> {
         let biases = worst.unwrap_or_else(|| of_order(&[]));
         let (noise, rest) = (self.variances(|v| v.noise), self.variances(|v| v.all - v.noise));
         let values = self.values(found.map(|found| found.0));
-        let again = found.map_or(1.0, |found| found.2);
+        let (is_found, again) = (found.is_some(), found.map_or(1.0, |found| found.2));
         let u2_before = self.carried(former, &former.variances(|v| v.all));
         let squares: Vec<f64> = values.iter().map(|um| um * um).collect();
         let points = self.points();
@@ -206,9 +206,9 @@ impl Table<'_> {
             from_fn::<f64, LANES, _>(|lane| {
                 let of_lane =
                     |values: &[Lanes]| values.iter().map(|of| of[lane]).collect::<Vec<f64>>();
-                let before = match found {
-                    Some(_) => self.carried(former, &of_lane(&before)),
-                    None => former.tabulated(job, &of_lane(&before)),
+                let before = match is_found {
+                    true => self.carried(former, &of_lane(&before)),
+                    false => former.tabulated(job, &of_lane(&before)),
                 };
                 let angles = self.carried(former, &of_lane(&angles));
                 let random = &mut random[lane];
@@ -217,7 +217,7 @@ impl Table<'_> {
                     let (stays, of_before) = shares[place / points];
                     let (before, new) = (before[place], new[place][lane]);
                     let left = stays * values[place] + of_before * before + angles[place];
-                    found.map_or(new - before, |_| left + again * new)
+                    if is_found { left + again * new } else { new - before }
                 };
                 let seen: Vec<f64> = (0..values.len()).map(seen).collect();
                 let both = noise.iter().zip(&rest);
@@ -226,7 +226,7 @@ impl Table<'_> {
                 quantile(each.collect())
             })
         };
-        let mut at_most: Vec<f64> = (0..VISITS).step_by(LANES).flat_map(at_most).collect();
+        let mut at_most: Vec<f64> = each(VISITS, at_most).into_iter().flatten().collect();
         at_most.sort_by(f64::total_cmp);
         let passed = at_most.iter().filter(|um| **um <= limit_um).count();
         (at_most[VISITS / 2], float(passed) / float(VISITS))
