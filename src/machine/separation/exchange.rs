@@ -14,12 +14,12 @@
 //! the 24 ways hold the 6 orders. Of a name and an order that are wrong together in the matching way
 //! nothing is seen.
 //!
-//! Noise moves a gain as well, by √(4(n − 1)) between names that this machine tells apart by nothing
-//! else. The margin is what it makes in one of a hundred sound measurements:
+//! Noise moves a gain as well, by up to √(4ν) between names that this machine tells apart by nothing else. The margin
+//! is what it makes in one of a hundred sound measurements:
 //!
 //! ```text
-//!   m = z·√(4(n − 1)), at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3·√(4(n − 1))
-//!                                        of the best; 9: odds of e^4.5 to one
+//!   m = z·√(4ν), at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3·√(4ν) of the best;
+//!                                  9: odds of e^4.5 to one
 //! ```
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
@@ -106,8 +106,6 @@ struct Trial<'a> {
     freedom: f64,
     /// Q/σ² that is believed at most.
     believed: f64,
-    /// n − 1.
-    intervals: f64,
     /// σ where repeats or the job give it, µm.
     sigma_um: Option<f64>,
 }
@@ -150,10 +148,10 @@ pub(super) fn names(
         }
         others.push((naming, patterns.square_of(&other.z)));
     }
-    let (recorded, intervals) = (others.remove(0).1, start.volume().steps_f64() - 1.0);
+    let recorded = others.remove(0).1;
     let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
     let believed = ChiSquared::new(freedom).ok()?.inverse_cdf(BELIEVED);
-    let trial = Trial { start, raw_runs, recorded, others, freedom, believed, intervals, sigma_um };
+    let trial = Trial { start, raw_runs, recorded, others, freedom, believed, sigma_um };
     trial.likelier(closure).or_else(|| trial.hardly_shown()).map(Finding::from)
 }
 
@@ -174,7 +172,7 @@ impl Trial<'_> {
 
     /// m, where `best` leaves this over.
     fn margin(&self, best: f64) -> f64 {
-        let deviation = 2.0 * self.intervals.sqrt();
+        let deviation = (4.0 * self.freedom).sqrt();
         let near = |one: &&Tried| self.gain(one.1, best) < NEAR * deviation;
         let competing = float(self.others.iter().filter(near).count().max(1));
         let z = Normal::standard().inverse_cdf(1.0 - ACCUSED / competing);
@@ -210,7 +208,7 @@ impl Trial<'_> {
     }
 
     /// Probability that these names, had they been right, would have been found: the gain is
-    /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
+    /// normal about G with variance 4G + 4ν/3 for each exchange, and so is G itself, which these
     /// readings tell, taken one standard deviation low; two and by ln where σ is that of the
     /// closure.
     fn power(&self, (naming, worse): &Tried) -> f64 {
@@ -221,7 +219,7 @@ impl Trial<'_> {
             None => (self.freedom * (ratio - 1.0), 1.0 / ratio, 2.0),
         };
         let moved = float(naming.moved().len().saturating_sub(1));
-        let spread = share * (8.0 * (square.max(0.0) + moved * self.intervals)).sqrt();
+        let spread = share * (8.0 * (square.max(0.0) + moved * self.freedom / 3.0)).sqrt();
         let far = (gain - self.margin(self.recorded)) / spread.max(f64::MIN_POSITIVE);
         Normal::standard().cdf(far - low)
     }
