@@ -265,7 +265,7 @@ pub fn nc(input: &[u8]) -> Answer {
         systems: [(1, [100.0, 100.0, -50.0]), (2, [0.0; 3]), (148, [1.0; 3])].into_iter().collect(),
         tools: [(1, 100.0), (2, 50.0)].into_iter().collect(),
         tool_names: [("A".to_string(), 1)].into_iter().collect(),
-        inch: input.len() % 5 == 4,
+        inch: Some(input.len() % 5 == 4),
         without_point: if input.len().is_multiple_of(2) {
             WithoutPoint::Unit
         } else {

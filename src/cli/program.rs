@@ -92,7 +92,7 @@ fn motion(kit: &ProgramKit) -> String {
         (RunType::StraightDiagonal, _) => "all axes together".to_string(),
         (RunType::SingleAxis, TargetGrid::Equal) => "equal targets (for tables)".to_string(),
         (RunType::SingleAxis, TargetGrid::Offset { .. }) => {
-            "offset targets (for acceptance: periods are not aliased)".to_string()
+            "offset targets (for acceptance)".to_string()
         }
     };
     let back = match (request.bidirectional, request.overrun.mm() > 0.0) {

@@ -195,6 +195,7 @@ refusals! {
     far_reference(reference, outside, low, high, most, next) => "the reference point {reference} mm lies {outside} mm outside the travel {low} … {high} mm, expected at most {most} mm", format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {next}` below it");
     no_error_tables() => "the list of error tables is empty, expected at least one path", "write e.g. `errors = [\"x.csv\", \"y.csv\", \"z.csv\"]`";
     two_lines(axis) => "axis {axis} has two linear measurements, expected one", "keep one of the two, or give their mean";
+    beam_inside(axis) => "beside straight runs the beam goes along {axis} inside the box, expected from end to end: nothing tells how much of the error lies outside it", "measure over the whole edge, or take step runs";
     beam_of_one_place() => "the beam begins and ends at one place, expected two", "give the two ends of the measured line";
     no_terms_word(word) => "`terms` is `{word}`, expected `all` or a list of terms", TERMS;
     no_term_at_all() => "`terms` names no term, expected at least one", TERMS;

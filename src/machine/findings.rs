@@ -13,6 +13,8 @@ findings! {
     SeparationFinding {
         // Doubts.
         Disturbed { um: f64, which: String } => Note, "disturbed reading, which stays in the curves and moves them by up to {um:.3} µm: {which}; this counts in full beside U: repeat that run";
+        OtherTurn { ran_over: bool } => Doubt, "`overrun = {}` is stated, but the readings are those of axes that {}", !ran_over, if *ran_over { "ran past the end point" } else { "turned at the end point" };
+        OtherErrors => Doubt, "the nine errors of `closure_errors` do not describe this machine as it is now (closure test)";
         DisturbedTotal { which: String } => Doubt, "disturbed reading, which stays in the result: {which}; repeat that run";
         MoreDisturbed { more: usize } => Note, "{more} more disturbed readings stay in the result";
         Roll { changes: PerAxis<f64> } => Note, "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; what is beyond `angle_urad` counts in full beside U: measure the roll and give it as `angles`", by_axis(changes, &Axis::ALL);
@@ -50,7 +52,6 @@ findings! {
         StraightForwardOnly => Label, "forward runs only: E, B and a reversal need both directions, and NPP moves X in -, PNP moves Y in -, PPN moves Z in -, so reversal is mixed into the squareness";
         StraightOneZero => Label, "both directions count from the start of the forward run";
         StraightOwnZero => Label, "reverse runs count from their own start: E, B and ranges are those of the forward runs alone; the totals are the mean of both directions";
-        WholeBeams => Label, "beams are taken as if they went from end to end of the box: straight runs hold no shapes to take off";
 
         // What the uncertainty holds.
         NoAir => Label, "the readings are not corrected for air, and nothing corrects them here: about 1 µm/m of scale for each K of air temperature or 3.7 hPa";
@@ -65,7 +66,7 @@ findings! {
             None => "setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes µm/m of squareness: ".to_string(),
         };
         BeamCounts { stated: StatedUncertainty } => Label, "beam_mrad {} counts ({}): it takes up to {:.3} µm/m off every diagonal, and all of that as k = 1", if stated.beam_mrad.is_some() { "as stated" } else { "is not stated: a usual one" }, stated.of_beam_mrad(), stated.beam_ppm();
-        SimulatedHold => Label, "simulated intervals hold the noise of the readings and of the linear axes, not these";
+        SimulatedHold => Label, "simulated intervals hold the noise of the readings and what is uncertain of linear axes, not these";
         AnglesMissing { names: String, urad: Option<f64>, chain_is_stated: bool } => Label, "angular errors without a measurement, counted as zero: {names}; no reading shows pitch and yaw, and the figures are meant for the lines through the middle of the box; {}", match urad {
             None => "not included in U: state `angle_urad` in [measurement.uncertainty]".to_string(),
             Some(urad) => format!("included in U: a straight part and a bow about the middle of the box, each within half of {urad} µrad (angle_urad){}", if *chain_is_stated { "" } else { ", for the worst order of the axes (`machine.chain` is not stated)" }),
@@ -73,7 +74,7 @@ findings! {
         OnLines { lines: PerAxis<f64>, without_u: bool } => Label, "the nine errors and squareness are those of the lines through X {}, Y {}, Z {} mm: the levers of the measured angles count from there, and the angles are zero there (`offsets_mm`, `angles_zero_mm`){}", lines.x, lines.y, lines.z, if *without_u { "; U of the angles is not stated (columns `u_ea_urad` …) and counts as 0" } else { "" };
         ToolAssumed { far_um: f64 } => Label, "tool_offset_mm is not stated: the mirror is taken to sit at the point that the axes carry; each 100 mm between them falsifies deviations by up to {far_um:.3} µm";
         LineNotKnown => Label, "a linear axis or beam states no uncertainty: it is weighed like a diagonal, and neither an uncertainty nor a simulated interval is given where a result depends on it; add `u_um_per_m`";
-        LinesHoldAll => Label, "`u_um_per_m` of linear axes and beams is taken to hold everything that is uncertain of them, laser and temperature included, apart from the diagonals";
+        LinesHoldAll => Label, "`u_um_per_m` of linear axes and beams is taken to hold everything that is uncertain of them, laser and temperature included, but `setup_ppm`";
         SlopesOverBox { spans: String } => Label, "stated slopes of linear axes are taken as those between the ends of the box ({spans}); give what was measured over another length as a `beam` with its two ends";
         SeparatedSlopesKept { separated: String, totals: String } => Label, "the curves keep their separated slopes, whose squareness (µm/m: {separated}) holds the tilt of the mirror and the noise of all increments; that of the totals ({totals}) holds neither: believe the totals";
         Unchecked => Label, "nothing checks the linear axes and beams: with no redundancy a slope of the wrong sign or unit goes unnoticed; measure the third axis along its length";

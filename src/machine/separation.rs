@@ -179,7 +179,12 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let mut start = Start::new(campaign, raw_runs);
     let (closure, patterns) = judged(&mut start);
     let names = patterns.and_then(|patterns| names(&start, raw_runs, (&closure, patterns)));
+    let noise = start.noise.filter(|_| start.both_ways() && campaign.reverse_zero_known);
+    let seen = noise.and_then(|noise| ran_over(&start, noise));
+    let turned = seen.zip(campaign.measurement.overrun).filter(|(seen, stated)| seen != stated);
+    let turned = turned.map(|(ran_over, _)| SeparationFinding::OtherTurn { ran_over }.into());
     let mut found = evaluated(start, closure);
+    found.doubts.extend(turned);
     // What remains to be said: noise, lines and reversals, the names of the diagonals.
     let turn = found.turn.iter().flat_map(|turn| contradictions(turn, &campaign.reversals));
     found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));

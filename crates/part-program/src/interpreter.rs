@@ -25,6 +25,8 @@ const SUB_END: u16 = 170;
 pub(super) struct Tally {
     /// M words without motion, with how often they stand and the letters beside them.
     pub(super) m: BTreeMap<u16, (u64, BTreeSet<char>)>,
+    /// The line of the first length that is taken as mm because nothing says its unit.
+    pub(super) without_unit: Option<usize>,
     /// Coordinates without a decimal point, and the first line with one.
     pub(super) without_point: Option<(u64, usize)>,
     pub(super) holes: u64,
@@ -84,7 +86,7 @@ pub(super) struct Interpreter {
     /// Holes that were drilled before the block.
     pub(super) holes_before: u64,
     motion: Option<Motion>,
-    inch: bool,
+    inch: Option<bool>,
     absolute_centre: bool,
     /// The last H.
     tool_number: Option<u32>,
@@ -199,7 +201,7 @@ impl Interpreter {
             Code::Motion(motion) => asked.motion = Some(motion),
             Code::EndCycle => asked.end_cycle = Some(word),
             Code::Plane(plane) => (self.plane, self.has_plane) = (plane, true),
-            Code::Inch(inch) => self.inch = inch,
+            Code::Inch(inch) => self.inch = Some(inch),
             Code::Incremental(incremental) => self.incremental = incremental,
             Code::AbsoluteCentre(absolute) => self.absolute_centre = absolute,
             Code::Retract(retracts) => self.retracts = retracts,
@@ -223,9 +225,13 @@ impl Interpreter {
         self.turning = Some(Wrong::new(span, what, help));
     }
 
+    pub(super) fn is_inch(&self) -> bool {
+        self.inch == Some(true)
+    }
+
     /// G64 P… Q…: how far the control may leave the path, in the program's unit.
     fn blend(&mut self, block: &mut Block) {
-        let unit = if self.inch { MM_PER_INCH } else { 1.0 };
+        let unit = if self.is_inch() { MM_PER_INCH } else { 1.0 };
         for value in [block.value(b'P'), block.value(b'Q'), block.adis.take()] {
             let mm = value.map(|value| value * unit);
             let mm = mm.filter(|mm| self.tally.blend.is_none_or(|(most, _)| *mm > most));

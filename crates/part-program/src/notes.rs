@@ -17,6 +17,7 @@ pub(super) fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String>
     });
     let words = words.collect::<Vec<String>>().join(", ");
     let found = [
+        tally.without_unit.map(|line| format!("lengths are taken as mm from line {line} on: neither the program (G20, G21; G70, G71) nor `program_unit` in [path] says their unit")),
         tally.without_point.map(|(count, first)| format!("coordinates without a decimal point: {count}, the first in line {first}; taken as {meaning}; see `without_point` in [path]")),
         any(deletable).map(|count| format!("lines with `/`: {count}, {what}; see `block_delete` in [path]")),
         any(tally.look_ahead).map(|count| format!("look-ahead (G5, G5.1, G8) is switched on {count} times: taken not to change the path")),

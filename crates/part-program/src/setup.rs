@@ -58,8 +58,8 @@ pub struct Setup {
     pub tools: BTreeMap<u32, f64>,
     /// Numbers of tools by their names (`T="DRILL"` of Siemens).
     pub tool_names: BTreeMap<String, u32>,
-    /// Inches until G21.
-    pub inch: bool,
+    /// Inches, or mm, until the program says its unit; `None` = mm, and the notes say where they are assumed.
+    pub inch: Option<bool>,
     /// Coordinates without a decimal point.
     pub without_point: WithoutPoint,
     /// G43 without H.

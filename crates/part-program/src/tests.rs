@@ -45,7 +45,7 @@ fn control() -> Setup {
         ]),
         tools: BTreeMap::from([(1, 50.0), (2, 80.0)]),
         tool_names: BTreeMap::from([("DRILL".to_string(), 2)]),
-        inch: false,
+        inch: Some(false),
         without_point: WithoutPoint::Unit,
         g43_without_h: G43WithoutH::Refuse,
         arc_mm: None,

@@ -184,7 +184,7 @@ fn monte_carlo(simulated: &Simulated) -> String {
         ""
     };
     format!(
-        "Monte Carlo, {} trials, seed {}; range = max - min, straightness by least squares lines\nonly noise of the readings and the stated u of linear axes and beams are varied: no tilt, no angular errors\nintervals are made for 95 %; how often such intervals held the truth on simulated machines stands beside them\n{}{hidden}",
+        "Monte Carlo, {} trials, seed {}; range = max - min, straightness by least squares lines\nonly noise of the readings, the stated u of linear axes and beams and their `setup_ppm` are varied: no tilt, no angular errors\nintervals are made for 95 %; how often such intervals held the truth on simulated machines stands beside them\n{}{hidden}",
         simulated.plan.trials,
         simulated.plan.seed,
         table(heading, rows)

@@ -196,7 +196,7 @@ fn scales(result: &StraightResult) -> String {
 fn closure_table(closure: &ClosureTests) -> String {
     let rows = closure.tests.iter().map(|test| {
         let (largest, end) = (Figure(test.largest_um), Figure(test.end_um));
-        let (pass, u) = (test.pass.word(), expanded(test.u_end_um));
+        let (pass, u) = (test.pass.word(), expanded(test.u_end_um.map(|u| 2.0 * u)));
         let ratio = test.worst_ratio.map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}"));
         format!("{}\t{pass}\t{largest:.3}\t{end:+.3}\t{u}\t{ratio}", test.diagonal)
     });
@@ -217,6 +217,6 @@ fn verdict(closure: &ClosureTests) -> String {
     match closure.agrees {
         None => "no verdict: the noise of the readings is not known (repeat the runs, or state `noise_um`)".to_string(),
         Some(true) => format!("in keeping: no difference is beyond {:.1} u ({of_table})", closure.k),
-        Some(false) => format!("NOT in keeping: a difference is beyond {:.1} u ({of_table}); the nine errors do not describe this machine as it is now", closure.k),
+        Some(false) => format!("NOT in keeping: a difference is beyond {:.1} u ({of_table})", closure.k),
     }
 }

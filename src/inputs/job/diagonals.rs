@@ -32,7 +32,7 @@ section! {
         /// positioning of one axis along its length
         pub linear: Vec<Linear> = with(linear);
         /// displacement along any other straight line
-        pub beams as beam: Vec<Beam> = subs(|beam| one_beam(beam, axes, volume.as_ref()));
+        pub beams as beam: Vec<Beam> = subs(|beam| one_beam(beam, axes, volume.as_ref(), kind));
         /// temperature of the scales, and what was corrected already
         pub material: Option<Material> = sub(Material::read);
     }
@@ -285,7 +285,12 @@ fn slope(section: &Section<'_>, key: &'static str) -> Option<f64> {
     section.between(key, -STEEPEST_UM_PER_M..=STEEPEST_UM_PER_M, "µm/m")
 }
 
-fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
+fn one_beam(
+    section: &Section<'_>,
+    axes: &Axes,
+    volume: Option<&Volume>,
+    kind: PathKind,
+) -> Option<Beam> {
     let beam = Beam::read(section)?;
     let (from, to) = (beam.from, beam.to);
     if Axis::ALL.iter().all(|axis| (to[*axis] - from[*axis]).mm().abs() < SMALLEST_SIZE_MM) {
@@ -297,6 +302,13 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
         let boxed = moves.map(|v| (v.start[axis], v.start[axis] + v.size[axis]));
         let travel = axes[axis].map(|machine| (machine.low, machine.high));
         let what = boxed.map_or("the travel", |_| "the box of the diagonals");
+        // Straight runs hold no shapes to take off.
+        let is_end = |(low, high), at: Millimetres| at == low || at == high;
+        if let Some(ends) = boxed.filter(|_| kind == PathKind::Straight)
+            && !(is_end(ends, from[axis]) && is_end(ends, to[axis]))
+        {
+            section.refuse("to_mm", refusals::beam_inside(axis));
+        }
         if let Some(ends) = boxed.or(travel) {
             section.inside("from_mm", (axis, from[axis]), ends, what);
             section.inside("to_mm", (axis, to[axis]), ends, what);

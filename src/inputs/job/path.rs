@@ -47,6 +47,7 @@ impl Word for Language {
 
 const WITHOUT_POINT: [(&str, WithoutPoint); 2] =
     [("unit", WithoutPoint::Unit), ("increment", WithoutPoint::Increment)];
+const BLOCK_DELETE: [(&str, bool); 2] = [("execute", false), ("skip", true)];
 const G43_WITHOUT_H: [(&str, G43WithoutH); 3] =
     [("refuse", G43WithoutH::Refuse), ("last-h", G43WithoutH::LastH), ("tool", G43WithoutH::Tool)];
 
@@ -60,9 +61,6 @@ fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
         inside_travel(section, |_| key, &place, axes);
         Some(plain(place))
     };
-    let is_second = |key, first, second| {
-        section.choice(key, &[(first, false), (second, true)]).unwrap_or(false)
-    };
     let start = inside("start_mm").unwrap_or(usual.start);
     let (tools, tool_names) = tools(section);
     Setup {
@@ -72,7 +70,7 @@ fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
         language: section.choice("language", Language::WORDS).unwrap_or_default(),
         second_reference: inside("second_reference_mm"),
         systems: systems(section),
-        inch: is_second("program_unit", "mm", "inch"),
+        inch: section.choice("program_unit", &[("mm", false), ("inch", true)]),
         without_point: section
             .choice("without_point", &WITHOUT_POINT)
             .unwrap_or(usual.without_point),
@@ -80,7 +78,7 @@ fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
             .choice("g43_without_h", &G43_WITHOUT_H)
             .unwrap_or(usual.g43_without_h),
         arc_mm: section.between("arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
-        skip_deletable: is_second("block_delete", "execute", "skip"),
+        skip_deletable: section.choice("block_delete", &BLOCK_DELETE).unwrap_or(false),
         ..usual
     }
 }

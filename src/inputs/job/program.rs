@@ -46,7 +46,7 @@ pub enum TargetGrid {
     /// Equal steps: the targets are the points of a table.
     Equal,
     /// Each target shifted by up to this length, so that errors that repeat with a period
-    /// (screw, gear, scale) are not aliased (ISO 230-2: Pi = (i - 1) p + r).
+    /// (screw, gear, scale) meet them at several phases (ISO 230-2: Pi = (i - 1) p + r).
     Offset {
         /// Largest shift, mm; `None` = a quarter of the step.
         shift: Option<Millimetres>,

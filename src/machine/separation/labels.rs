@@ -44,9 +44,7 @@ pub(super) fn of_straight(start: &Start<'_>) -> Vec<Finding> {
         (true, true) => Found::StraightOneZero,
         (true, false) => Found::StraightOwnZero,
     };
-    let has_ends = campaign.lines.iter().any(|line| line.ends.is_some());
-    let labels = [Some(runs), has_ends.then_some(Found::WholeBeams)];
-    labels.into_iter().flatten().chain(common(start)).map(Finding::from).collect()
+    std::iter::once(runs).chain(common(start)).map(Finding::from).collect()
 }
 
 /// What is assumed of readings of any kind and of lines beside them, and what their uncertainty holds, for which axes.

@@ -88,11 +88,14 @@ pub fn straight(
     let metric = equations.metric(&start.model);
     let agreement = equations.agreement(&metric);
     let (figures, _) = readings::figures(&start.runs, PathKind::Straight);
+    let closure = errors.map(|table| closure_tests(&start, table)).transpose()?;
+    let fails = closure.as_ref().is_some_and(|tests| tests.agrees == Some(false));
     let disturbed = start.outliers.iter().map(Outlier::words);
     let doubts = disturbed
         .map(|which| SeparationFinding::DisturbedTotal { which }.into())
         .chain(agreement.as_ref().and_then(|of| of.contradiction.clone()))
-        .chain(large_noise(noise, campaign.stated.noise_um));
+        .chain(large_noise(noise, campaign.stated.noise_um))
+        .chain(fails.then(|| SeparationFinding::OtherErrors.into()));
     Ok(StraightResult {
         volume: volume.clone(),
         end_um: PerDiagonal::from_fn(|d| figures[d].end_um),
@@ -100,7 +103,7 @@ pub fn straight(
         doubts: doubts.collect(),
         agreement,
         noise,
-        closure: errors.map(|table| closure_tests(&start, table)).transpose()?,
+        closure,
         labels: labels::of_straight(&start),
         metric,
         zeroed_runs: start.zeroed_runs(),

@@ -258,7 +258,7 @@ fn refuse_step(task: RunTask<'_>, axis: Axis, problems: &mut Problems) {
         .push(problem.help(format!("the nearest below is {nearest} mm ({steps} x {below} mm)")));
 }
 
-/// Golden section: its multiples fill an interval evenly, and no period of a machine meets them.
+/// Golden section: its multiples fill an interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Targets of one axis, ascending. Offset targets: Pi = start + i·p + r_i with

@@ -274,7 +274,7 @@ impl Interpreter {
             .zip(argument(1))
             .map(|(back, reference)| (back, reference, depth(reference).or(argument(3))));
         let (what, help) = match levels {
-            _ if self.inch => (
+            _ if self.is_inch() => (
                 "a cycle with G70 or G700 is not executed",
                 "controls differ in the unit of its arguments: write it in millimetres",
             ),

@@ -122,14 +122,17 @@ impl Interpreter {
     #[inline]
     pub(crate) fn length(&mut self, block: &mut Block, letter: u8) -> Option<f64> {
         let value = block.value(letter)?;
-        let unit = if self.inch { MM_PER_INCH } else { 1.0 };
+        let unit = if self.is_inch() { MM_PER_INCH } else { 1.0 };
+        if self.inch.is_none() && value != 0.0 {
+            self.tally.without_unit.get_or_insert(self.line);
+        }
         if block.has_point(letter) {
             return Some(value * unit);
         }
         if value != 0.0 {
             self.tally.without_point.get_or_insert((0, self.line)).0 += 1;
         }
-        Some(match (self.setup.without_point, self.inch) {
+        Some(match (self.setup.without_point, self.is_inch()) {
             (WithoutPoint::Unit, _) => value * unit,
             (WithoutPoint::Increment, false) => value * INCREMENT_MM,
             (WithoutPoint::Increment, true) => value * INCREMENT_IN * MM_PER_INCH,
@@ -137,7 +140,7 @@ impl Interpreter {
     }
 
     fn arc(&mut self, block: &mut Block, clockwise: bool) -> Result<(), Wrong> {
-        let usual_mm = if self.inch { INCH_MISS_MM } else { USUAL_MISS_MM };
+        let usual_mm = if self.is_inch() { INCH_MISS_MM } else { USUAL_MISS_MM };
         let tolerance_mm = self.setup.arc_mm.unwrap_or(usual_mm);
         let (plane, from) = (self.plane, self.at);
         let to = self.target(block, true)?;
