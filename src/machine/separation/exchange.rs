@@ -14,12 +14,13 @@
 //! the 24 ways hold the 6 orders. Of a name and an order that are wrong together in the matching way
 //! nothing is seen.
 //!
-//! Noise moves a gain as well, by up to √(4ν) between names that this machine tells apart by nothing else. The margin
-//! is what it makes in one of a hundred sound measurements:
+//! Noise moves a gain as well, by a standard deviation s between names that this machine tells apart by nothing else.
+//! The margin is what it makes in one of a hundred sound measurements:
 //!
 //! ```text
-//!   m = z·√(4ν), at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3·√(4ν) of the best;
-//!                                  9: odds of e^4.5 to one
+//!   m = z·s, at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3 s of the best; 9: odds of e^4.5 to one
+//!   s² = 4(ν − tr P P′) = 1.2 ν where two of NPP, PNP, PPN change places, 1.5 ν where all three do, at most 3.4 ν where
+//!        PPP is not itself            P, P′: what is left of readings under these names and the others; n = 15 and more
 //! ```
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
@@ -170,13 +171,22 @@ impl Trial<'_> {
         (worse - better) / sigma_um.squared().max(better / self.believed)
     }
 
-    /// m, where `best` leaves this over.
-    fn margin(&self, best: f64) -> f64 {
-        let deviation = (4.0 * self.freedom).sqrt();
-        let near = |one: &&Tried| self.gain(one.1, best) < NEAR * deviation;
+    /// s of these names.
+    fn deviation(&self, naming: &Naming) -> f64 {
+        let share = match (naming.0[Diagonal::Ppp], naming.moved().len()) {
+            (Diagonal::Ppp, 2) => 1.2,
+            (Diagonal::Ppp, _) => 1.5,
+            _ => 3.4,
+        };
+        (share * self.freedom).sqrt()
+    }
+
+    /// m of these names, where the best leave this over.
+    fn margin(&self, naming: &Naming, best: f64) -> f64 {
+        let near = |one: &&Tried| self.gain(one.1, best) < NEAR * self.deviation(&one.0);
         let competing = float(self.others.iter().filter(near).count().max(1));
         let z = Normal::standard().inverse_cdf(1.0 - ACCUSED / competing);
-        (z * deviation).max(CLEARLY)
+        (z * self.deviation(naming)).max(CLEARLY)
     }
 
     /// The names that are clearly likelier than the recorded ones and leave nothing to doubt. What
@@ -188,7 +198,7 @@ impl Trial<'_> {
         let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
         let accused = DISTURBED * float(before.outliers.iter().filter(singly).count());
         let gain = self.gain(before.weighted_square.min(self.recorded), *best) + accused;
-        if !seen || gain <= self.margin(*best) {
+        if !seen || gain <= self.margin(naming, *best) {
             return None;
         }
         let mut other = self.start.clone();
@@ -208,7 +218,7 @@ impl Trial<'_> {
     }
 
     /// Probability that these names, had they been right, would have been found: the gain is
-    /// normal about G with variance 4G + 4ν/3 for each exchange, and so is G itself, which these
+    /// normal about G with variance 4G + s², and so is G itself, which these
     /// readings tell, taken one standard deviation low; two and by ln where σ is that of the
     /// closure.
     fn power(&self, (naming, worse): &Tried) -> f64 {
@@ -218,9 +228,9 @@ impl Trial<'_> {
             Some(_) => (gain, 1.0, 1.0),
             None => (self.freedom * (ratio - 1.0), 1.0 / ratio, 2.0),
         };
-        let moved = float(naming.moved().len().saturating_sub(1));
-        let spread = share * (8.0 * (square.max(0.0) + moved * self.freedom / 3.0)).sqrt();
-        let far = (gain - self.margin(self.recorded)) / spread.max(f64::MIN_POSITIVE);
+        let by_noise = self.deviation(naming).squared();
+        let spread = share * (8.0 * square.max(0.0) + 2.0 * by_noise).sqrt();
+        let far = (gain - self.margin(naming, self.recorded)) / spread.max(f64::MIN_POSITIVE);
         Normal::standard().cdf(far - low)
     }
 
