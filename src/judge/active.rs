@@ -102,10 +102,9 @@ fn one_backlash(
         let axes = held.iter().map(|(name, _)| name.clone()).collect();
         reading.tell(InControl::GantryDiffers { axes });
     }
-    let Some((axis, _)) = held.iter().find(|(_, um)| um.is_none()) else {
+    let Some((axis, _)) = held.into_iter().find(|(_, um)| um.is_none()) else {
         return Some(first);
     };
-    let axis = axis.clone();
     reading.tell(InControl::GantryUnknown { parameter, axis });
     None
 }
@@ -113,8 +112,7 @@ fn one_backlash(
 /// Sign proofs, rollbacks and checklists of a kit, by their names.
 fn stands_apart(profile: &Profile, name: &str) -> bool {
     let apart = |role: Role| role.stands_apart() || role == Role::Checklist;
-    let mut own = profile.files.iter().filter(|file| apart(file.role));
-    own.any(|file| file.is_called(file_name(name)))
+    profile.files.iter().any(|file| apart(file.role) && file.is_called(file_name(name)))
 }
 
 /// The files as text, but those of a kit that are never loaded with its tables.
@@ -129,8 +127,7 @@ fn texts<'a>(
     for (name, bytes) in files {
         let stands_apart = stands_apart(profile, name);
         if stands_apart && reading.judges() {
-            let file = name.clone();
-            reading.tell(InControl::NotLoaded { file });
+            reading.tell(InControl::NotLoaded { file: name.clone() });
             continue;
         }
         if stands_apart {
@@ -154,9 +151,8 @@ pub(crate) fn collisions(
     active: &ActiveControl,
     new: &Tables,
 ) -> Result<(), Problems> {
-    let taken = family(&profile.dialect).taken(&active.others, new);
     let mut problems = Problems::none();
-    for (what, help) in taken {
+    for (what, help) in family(&profile.dialect).taken(&active.others, new) {
         let message = format!(
             "{what} is in use in the read-out, for axes that the job does not have or switched off: it would be overwritten"
         );

@@ -12,14 +12,13 @@
 mod ground;
 mod measurement;
 
-pub use self::ground::UnseenReversal;
 pub(crate) use self::ground::{
     ensure_same_machine, not_known, outside, same_slopes, unseen_reversal,
 };
 pub(crate) use self::measurement::observations;
 pub use self::measurement::{AfterMeasurement, Observation, Part, StraightRuns, before_um};
 
-use self::ground::ensure_common_ground;
+use self::ground::{common_terms, nine_terms_over};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Job};
 use crate::judge::conformity::{Sigma, Verdict};
@@ -88,18 +87,18 @@ impl Comparison {
 
     /// Whether the values afterwards may be a measurement of this machine with its tables.
     pub(crate) fn is_measured(&self) -> bool {
-        let is_none = |found: &Finding| found.kind().is_some_and(AsLeft::is_no_measurement);
+        use AsLeft::{Copy, Flat, SameSlopes, Simulated};
+        let is_none = |found: &Finding| {
+            matches!(found.kind(), Some(Simulated | Flat { .. } | Copy | SameSlopes { .. }))
+        };
         !self.findings.iter().any(is_none)
     }
 }
 
 /// The figures of a measurement by itself, as if no table were loaded.
 pub(crate) fn alone(model: &ErrorModel, job: &Job) -> Forecast {
-    bare(model, &Plan::default(), job)
-}
-
-fn bare(model: &ErrorModel, plan: &Plan, job: &Job) -> Forecast {
-    forecast(Machine::alone(model), plan, &Field::default(), &judged_ranges(job, model))
+    let (plan, control) = (Plan::default(), Field::default());
+    forecast(Machine::alone(model), &plan, &control, &judged_ranges(job, model))
 }
 
 /// Puts the three beside each other; `control` = what the bytes of the tables make of the
@@ -113,11 +112,16 @@ pub fn compare(
     job: &Job,
 ) -> Result<Comparison, Problems> {
     let before = machine.uncompensated;
-    ensure_common_ground(before, after)?;
-    let found = bare(machine.as_measured, plan, job);
+    let found = alone(machine.as_measured, job);
     let as_left = match after {
-        AfterMeasurement::Errors(model) => bare(model, plan, job),
-        AfterMeasurement::Diagonals(runs) => figures(runs, job),
+        AfterMeasurement::Errors(model) => {
+            common_terms(before, model)?;
+            alone(model, job)
+        }
+        AfterMeasurement::Diagonals(runs) => {
+            nine_terms_over(before, runs)?;
+            figures(runs, job)
+        }
     };
     let mut as_left = as_left.bounded(Basis::Measured);
     if let AfterMeasurement::Errors(model) = after {
@@ -132,13 +136,10 @@ pub fn compare(
     }
     let seen = observations(before, after);
     let line = |name: &str| {
-        let difference_um = off_forecast_um(name, control, &seen);
-        line(name, [Some(&found), expected, Some(&as_left)], difference_um)
+        line(name, [&found, &as_left], expected, off_forecast_um(name, control, &seen))
     };
-    let terms = ErrorTerm::ALL.iter();
-    let terms: Vec<ComparedLine> = terms.filter_map(|term| line(&term.to_string())).collect();
-    let diagonals = Diagonal::ALL.iter();
-    let mut diagonals: Vec<ComparedLine> = diagonals.filter_map(|d| line(d.name())).collect();
+    let terms: Vec<_> = ErrorTerm::ALL.iter().filter_map(|term| line(&term.to_string())).collect();
+    let mut diagonals: Vec<_> = Diagonal::ALL.iter().filter_map(|d| line(d.name())).collect();
     if let AfterMeasurement::Diagonals(_) = after {
         for line in &mut diagonals {
             along_run(line, machine, control, &seen);
@@ -152,7 +153,7 @@ pub fn compare(
         |of: &Finding| matches!(of.kind(), Some(AsLeft::OtherFrame { .. } | AsLeft::OwnFrames));
     let in_best_frame = match after {
         AfterMeasurement::Errors(model) if findings.iter().any(rotates) => {
-            Some(bare(&model.in_best_frame(job), plan, job).bounded(Basis::Measured))
+            Some(alone(&model.in_best_frame(job), job).bounded(Basis::Measured))
         }
         _ => None,
     };
@@ -162,8 +163,7 @@ pub fn compare(
 /// Largest |as left − forecast| of a term over the positions measured afterwards, µm.
 fn off_forecast_um(name: &str, control: Option<&Field>, seen: &[Observation]) -> Option<f64> {
     let (term, control) = (ErrorTerm::from_name(name)?, control?);
-    let of_term = seen.iter().filter(|o| o.is_of(term));
-    of_term.map(|o| o.off_um(control).abs()).reduce(f64::max)
+    seen.iter().filter(|o| o.is_of(term)).map(|o| o.off_um(control).abs()).reduce(f64::max)
 }
 
 /// Probability with which no value of a right kit is named as off its forecast.
@@ -191,8 +191,7 @@ fn off_forecast(
             _ => line.u_um?.hypot(before.terms[term].as_ref()?.u_um()?),
         };
         let u_um = factor * u_um;
-        let um = line.difference_um.filter(|um| *um > u_um)?;
-        Some((term, um, u_um))
+        Some((term, line.difference_um.filter(|um| *um > u_um)?, u_um))
     });
     let terms: Vec<(ErrorTerm, f64, f64)> = off.collect();
     (!terms.is_empty()).then_some(AsLeft::OffForecast { terms })
@@ -223,15 +222,15 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
 /// A line of a term or a diagonal as found, as forecast, as left; none where neither measurement has it.
 fn line(
     name: &str,
-    [found, expected, as_left]: [Option<&Forecast>; 3],
+    [found, as_left]: [&Forecast; 2],
+    expected: Option<&Forecast>,
     difference_um: Option<f64>,
 ) -> Option<ComparedLine> {
-    let row = |forecast: Option<&Forecast>| forecast?.change(name);
-    let (found, after) = (row(found), row(as_left));
+    let (found, after) = (found.change(name), as_left.change(name));
     (found.is_some() || after.is_some()).then(|| ComparedLine {
         name: name.to_string(),
         before_um: found.map(|row| row.before_um),
-        forecast_um: row(expected).map(|row| row.after_um),
+        forecast_um: expected.and_then(|of| of.change(name)).map(|row| row.after_um),
         after_um: after.map(|row| row.after_um),
         u_um: after.and_then(|row| row.u_um),
         expanded_um: after.and_then(|row| row.expanded_um),

@@ -196,8 +196,7 @@ fn causes(
         }
     }
     groups.sort_by(|(a, one), (b, other)| {
-        let usual = a[0].kind.0.cmp(&b[0].kind.0);
-        usual.then(data.rms(one, None).total_cmp(&data.rms(other, None)))
+        a[0].kind.0.cmp(&b[0].kind.0).then(data.rms(one, None).total_cmp(&data.rms(other, None)))
     });
     let cause = |(group, fit): (Vec<Hypothesis>, Fit)| {
         let uncertainty_mm = data.shift_uncertainty_mm(&group[0].change, &fit);
@@ -221,8 +220,7 @@ fn term_by_term(data: &Data<'_>, tried: &[Hypothesis], forecast: &Fit) -> Vec<Fi
         if data.stands(forecast, Some(term)) {
             return Some(OfTerm::AsForecast { term }.into());
         }
-        let own = tried.iter().filter(|tried| tried.is_of(term));
-        let mut found = standing(data, own, Some(term));
+        let mut found = standing(data, tried.iter().filter(|tried| tried.is_of(term)), Some(term));
         let rms = |fit: &Fit| data.rms(fit, Some(term));
         found.sort_by(|(_, one), (_, other)| rms(one).total_cmp(&rms(other)));
         let faults = found.iter().map(|(tried, _)| tried.kind.1).collect();
@@ -242,9 +240,9 @@ fn off_forecast(um: f64, seen: &Observation) -> String {
 }
 
 fn slip_of_unit(words: &str) -> Problem {
-    Problem::new(format!("the values measured afterwards are {words} a slip of their unit")).help(
-        "the unit is part of the column's name (`ex_um`, `ex_mm`); correct the column or its values",
-    )
+    let help = "the unit is part of the column's name (`ex_um`, `ex_mm`); correct the column or its values";
+    Problem::new(format!("the values measured afterwards are {words} a slip of their unit"))
+        .help(help)
 }
 
 fn refuse_too_large(data: &Data<'_>) -> Result<(), Problem> {

@@ -97,8 +97,7 @@ impl Sigma {
 
     /// The same with another probability.
     pub(crate) fn joint_at(&self, count: usize, confidence: f64) -> f64 {
-        let figures = vec![Magnitude { um: 0.0, u_um: 1.0 }; count];
-        expanded_at(&figures, self, confidence)
+        expanded_at(&vec![Magnitude { um: 0.0, u_um: 1.0 }; count], self, confidence)
     }
 }
 
@@ -221,14 +220,11 @@ fn chance_within(figures: &[Magnitude], sigma: &Sigma, limit_um: f64) -> f64 {
     if figures.iter().any(|f| f.um > limit_um) {
         return 0.0;
     }
-    let rooms: Vec<f64> = figures
-        .iter()
-        .filter(|f| f.u_um > 0.0)
-        .map(|f| (limit_um - f.um) / f.u_um / std::f64::consts::SQRT_2)
-        .collect();
+    let uncertain = figures.iter().filter(|f| f.u_um > 0.0);
+    let room = |f: &Magnitude| (limit_um - f.um) / f.u_um / std::f64::consts::SQRT_2;
+    let rooms: Vec<f64> = uncertain.map(room).collect();
     let all = |(sigma, weight): &(f64, f64)| {
-        let near = rooms.iter().map(|room| room * sigma).filter(|room| *room < SURE);
-        let outside = near.map(erfc);
+        let outside = rooms.iter().map(|room| room * sigma).filter(|room| *room < SURE).map(erfc);
         weight * outside.map(|p| (-p).ln_1p()).sum::<f64>().exp()
     };
     sigma.estimates.iter().map(all).sum::<f64>()

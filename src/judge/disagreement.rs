@@ -338,12 +338,6 @@ pub(crate) struct Entry {
     pub(crate) differing: bool,
 }
 
-impl Entry {
-    pub(crate) const fn of(value: Value, alone: bool, differing: bool) -> Entry {
-        Entry { value, alone, differing }
-    }
-}
-
 /// What tables hold, by table (empty = the whole memory) and item.
 pub(crate) type Entries = BTreeMap<(String, Item), Entry>;
 

@@ -155,6 +155,5 @@ pub(crate) enum ChangedBy {
 /// those of this name, and by whom it is changed.
 pub(crate) fn unknown(lacking: Vec<(String, String, ChangedBy)>) -> Vec<(String, ChangedBy)> {
     let groups = grouped(lacking.into_iter().map(|(name, index, by)| ((name, by), index)));
-    let named = groups.into_iter().map(|((name, by), indices)| (name + &indices.join(", "), by));
-    named.collect()
+    groups.into_iter().map(|((name, by), indices)| (name + &indices.join(", "), by)).collect()
 }

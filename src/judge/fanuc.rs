@@ -23,15 +23,13 @@ impl Family for FanucFacts {
         let sets = others.sets.iter();
         let sets = sets.filter(|set| new.whole(5710 + *set, None).is_some_and(|axis| axis != 0));
         let sets = sets.map(|set| {
-            let help = "state a `first_set` behind it in [compensation]";
-            (format!("straightness set {set}"), help)
+            (format!("straightness set {set}"), "state a `first_set` behind it in [compensation]")
         });
         let holds =
             |range: &&NumberRange| new.points.range(range.first..=range.last).next().is_some();
         let points = others.points.iter().filter(holds).map(|range| {
             let what = format!("the block of points {} to {}", range.first, range.last);
-            let help = "name it in `reserved_points` of [compensation], or move `first_point`";
-            (what, help)
+            (what, "name it in `reserved_points` of [compensation], or move `first_point`")
         });
         sets.chain(points).collect()
     }
@@ -58,8 +56,7 @@ impl Family for FanucFacts {
                 continue;
             };
             let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
-            let in_state = names.iter().all(in_state).then_some(true);
-            let held = interpolated(memory, names).or(in_state);
+            let held = interpolated(memory, names).or(names.iter().all(in_state).then_some(true));
             if settings.interpolated.is_none() && settings.parameter_3605.is_none() {
                 settings.interpolated = held;
                 axes.extend(names.iter().filter(|_| held == Some(true)).cloned());
@@ -85,11 +82,8 @@ impl Family for FanucFacts {
         };
         let points_are_explained = diagnosis.is_some_and(|d| !d.findings.is_empty());
         let parameters = own.parameters.iter().map(|(key, value)| {
-            let amount = own.amount(key.number, key.axis);
-            let value = amount.map_or_else(
-                || Value::Text(value.to_string()),
-                |amount| Value::Numbers(vec![Some(amount)]),
-            );
+            let amount = own.amount(key.number, key.axis).map(|of| Value::Numbers(vec![Some(of)]));
+            let value = amount.unwrap_or_else(|| Value::Text(value.to_string()));
             (Item::Name(key.to_string()), value, !explained(key))
         });
         let points = own.points.iter().map(|(point, value)| {
@@ -97,7 +91,7 @@ impl Family for FanucFacts {
             (Item::Point(*point), value, !points_are_explained)
         });
         let entry = |(item, value, differing): (Item, Value, bool)| {
-            ((String::new(), item), Entry::of(value, true, differing))
+            ((String::new(), item), Entry { value, alone: true, differing })
         };
         parameters.chain(points).map(entry).collect()
     }
@@ -141,8 +135,7 @@ impl Family for FanucFacts {
             }
         }
         lacking.sort_by(|a, b| a.0.cmp(&b.0));
-        let tables = Tables::Fanuc(old);
-        Ok(Old { tables, unknown: unknown(lacking), stays: Vec::new() })
+        Ok(Old { tables: Tables::Fanuc(old), unknown: unknown(lacking), stays: Vec::new() })
     }
 }
 

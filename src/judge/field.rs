@@ -122,8 +122,7 @@ impl Field {
     /// What is added beside the tables (a backlash parameter), µm.
     pub(super) fn constant_um(&self, term: ErrorTerm, direction: Direction) -> f64 {
         let anywhere = Millimetres::new(0.0);
-        let all = self.correction(term, direction, anywhere).um();
-        all - self.tables_um(term, direction, anywhere)
+        self.correction(term, direction, anywhere).um() - self.tables_um(term, direction, anywhere)
     }
 
     /// Whether a table acts on an error.

@@ -235,13 +235,6 @@ findings! {
     }
 }
 
-impl AsLeft {
-    /// Whether nobody measured the values.
-    pub(super) const fn is_no_measurement(&self) -> bool {
-        matches!(self, Self::Simulated | Self::Flat { .. } | Self::Copy | Self::SameSlopes { .. })
-    }
-}
-
 findings! {
     /// How a file differs from what the manifest beside it lists.
     FileFault {

@@ -19,12 +19,11 @@ pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, Of, TermForec
 pub(crate) use self::reasons::terms_words;
 pub use self::reasons::{Grounds, Miss, RestsOn};
 pub use self::share::{JudgedRange, Machine};
-use self::share::{Range, within};
 pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm, words};
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::judge::field::Field;
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
+use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty, Range, within};
 use crate::quantity::{
     AT_PLACE_MM, Axis, Diagonal, Direction, ErrorCurve, ErrorTerm, Millimetres, Pass, PerAxis,
     Squared, Volume, ends, larger,
@@ -51,18 +50,16 @@ pub fn forecast(
         let left = |control| residuals(machine, control, term, judged[term.along]);
         let figures = left(control);
         let (u_um, after_um) = (measured.u_um(), largest_um(&figures));
+        let comparable_um = comparable.as_ref().map_or(after_um, |of| largest_um(&left(of)));
         terms.push(TermForecast {
             term,
             change: Change {
                 before_um: measured.largest_within_um(judged[term.along]),
                 after_um,
-                comparable_um: comparable
-                    .as_ref()
-                    .map_or(after_um, |lines| largest_um(&left(lines))),
+                comparable_um,
                 u_um,
                 expanded_um: u_um.map(|_| {
-                    let largest_um = largest.map(|largest| largest.single.terms[term]);
-                    expanded_um(&figures, &sigma, largest_um)
+                    expanded_um(&figures, &sigma, largest.map(|largest| largest.single.terms[term]))
                 }),
                 at_most_um: None,
             },
@@ -187,10 +184,8 @@ fn unmeasured(model: &ErrorModel, plan: &Plan, axis: Axis) -> Vec<Range> {
         return Vec::new();
     };
     let (first, last) = grid.range();
-    [(first, low), (high, last)]
-        .into_iter()
-        .filter(|(from, to)| to.mm() - from.mm() > EDGE_MM)
-        .collect()
+    let ends = [(first, low), (high, last)].into_iter();
+    ends.filter(|(from, to)| to.mm() - from.mm() > EDGE_MM).collect()
 }
 
 // What the tables leave along the four body diagonals of the measured box.
@@ -200,18 +195,14 @@ fn unmeasured(model: &ErrorModel, plan: &Plan, axis: Axis) -> Vec<Range> {
 
 /// The measured box; none where an axis was not measured.
 fn measured_box(model: &ErrorModel, judged: &PerAxis<Option<Range>>) -> Option<Volume> {
-    let of = |axis| Some(within(model.ranges[axis]?, judged[axis]));
-    let ends = PerAxis::from_fn(of).all()?;
+    let ends = PerAxis::from_fn(|axis| Some(within(model.ranges[axis]?, judged[axis]))).all()?;
     let size = PerAxis::from_fn(|axis| ends[axis].1 - ends[axis].0);
     Some(Volume { start: PerAxis::from_fn(|axis| ends[axis].0), size, steps: 1, order: Axis::ALL })
 }
 
 /// How far inside its edge an axis stands at t of a diagonal, or at which t it stands so far inside, in parts of each.
 fn turned(diagonal: Diagonal, axis: Axis, part: f64) -> f64 {
-    match diagonal.forward(axis) {
-        Direction::Plus => part,
-        Direction::Minus => 1.0 - part,
-    }
+    if diagonal.sign(axis) > 0.0 { part } else { 1.0 - part }
 }
 
 /// How far along a diagonal an axis stands somewhere, 0 to 1 on its forward run.
@@ -297,8 +288,7 @@ fn travels<'a>(
             let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
             let of_curves = [Some(measured), uncompensated].into_iter().flatten().map(knots);
             let bends = of_curves.chain([response.breaks(low, high)]).collect();
-            let travel = Travel { measured, uncompensated, response, bends };
-            travels.push((term, direction, travel));
+            travels.push((term, direction, Travel { measured, uncompensated, response, bends }));
         }
     }
     travels

@@ -35,10 +35,8 @@ impl Family for DeclaredFacts {
                 && (self.typed.is_none() || one.has_two() == other.has_two())
         };
         let stays = |table: &&ListedTable| !new.iter().any(|new| is_same(new, table));
-        old.iter()
-            .filter(stays)
-            .map(|table| format!("the old {}", self.table_name(table)))
-            .collect()
+        let stays = old.iter().filter(stays);
+        stays.map(|table| format!("the old {}", self.table_name(table))).collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
@@ -83,14 +81,14 @@ fn entries(facts: &impl Listed, side: &Side<'_>, first_point: u32) -> Entries {
         let entry = move |(index, point): (u32, &Point)| {
             let numbers = vec![Some(point.position), Some(point.forward), point.reverse];
             let key = (name.clone(), Item::Point(index));
-            (key, Entry::of(Value::Numbers(numbers), told, told))
+            (key, Entry { value: Value::Numbers(numbers), alone: told, differing: told })
         };
         (first_point..).zip(&table.points).map(entry).collect::<Vec<_>>()
     };
     let set = side.tables.own::<ListedTables>().set.clone();
     let set = set.map(|name| {
         let key = ("set of tables".to_string(), Item::Name("its name".to_string()));
-        (key, Entry::of(Value::Text(name), true, true))
+        (key, Entry { value: Value::Text(name), alone: true, differing: true })
     });
     own(side.tables).iter().flat_map(of_table).chain(set).collect()
 }
@@ -165,8 +163,7 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
             continue;
         };
         let own_mm = machine.reference.mm();
-        let default = found.is_whole.then_some(0.0);
-        if let Some(position) = settings.home_offset.or(default)
+        if let Some(position) = settings.home_offset.or(found.is_whole.then_some(0.0))
             && (position * unit.in_mm() - own_mm).abs() > SAME_MM
         {
             let (joint, unit) = (*joint, unit.word());
@@ -177,8 +174,7 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
         if let Some(speed) = latch
             && (speed > 0.0) != is_up
         {
-            let own = machine.homing();
-            reading.tell(InControl::HomeDirection { joint: *joint, speed, own });
+            reading.tell(InControl::HomeDirection { joint: *joint, speed, own: machine.homing() });
         }
     }
 }
@@ -209,17 +205,16 @@ impl Family for IsgFacts {
         let stated = axes.into_iter().chain(settings);
         let stated = stated.map(|(key, value)| {
             let item = ("list".to_string(), Item::Name(key));
-            (item, Entry::of(Value::Text(value), true, true))
+            (item, Entry { value: Value::Text(value), alone: true, differing: true })
         });
         let of_curve = |curve: &Curve| {
             let block = curve.parameter.to_string();
             let pair = curve.parameter.pair();
             let told = pair.is_none_or(|(base, output)| side.tells(&name(base), &name(output)));
-            let points = (0_u32..).zip(curve.points.clone());
-            points.map(move |(index, point)| {
+            (0_u32..).zip(curve.points.clone()).map(move |(index, point)| {
                 let numbers = [point.position, point.value].map(Some).to_vec();
                 let item = (block.clone(), Item::Point(index));
-                (item, Entry::of(Value::Numbers(numbers), told, told))
+                (item, Entry { value: Value::Numbers(numbers), alone: told, differing: told })
             })
         };
         stated.chain(tables.curves.iter().flat_map(of_curve)).collect()

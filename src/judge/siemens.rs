@@ -28,11 +28,10 @@ impl Family for SiemensFacts {
 
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
         const HELP: &str = "state a `first_table` behind it in [compensation]";
-        let new: &SiemensTables = new.own();
-        let numbers = new.tables.iter().filter_map(|table| table.place.cec());
+        let numbers =
+            new.own::<SiemensTables>().tables.iter().filter_map(|table| table.place.cec());
         let taken = numbers.filter(|number| others.cec_tables.contains(number));
-        let named = taken.map(|number| (Place::Cec(number).name(), HELP));
-        named.collect()
+        taken.map(|number| (Place::Cec(number).name(), HELP)).collect()
     }
 
     /// Their switches.
@@ -65,11 +64,8 @@ impl Family for SiemensFacts {
             let values = (0..).zip(&own.values);
             let values =
                 values.map(|(point, value)| (Item::Point(point), Value::Numbers(vec![*value])));
-            entries.extend(
-                fields.chain(values).map(|(item, value)| {
-                    ((name.clone(), item), Entry::of(value, alone, differing))
-                }),
-            );
+            let entry = |(item, value)| ((name.clone(), item), Entry { value, alone, differing });
+            entries.extend(fields.chain(values).map(entry));
         }
         entries
     }

@@ -79,11 +79,7 @@ impl Inputs {
         errors: ErrorSource,
         hashes: Vec<HashedFile>,
     ) -> Result<Inputs, Problems> {
-        let build = match use_of {
-            UseOf::Figures => ErrorModel::for_figures,
-            _ => ErrorModel::build,
-        };
-        let mut model = build(&job, &*errors.table(&job)?)?;
+        let mut model = ErrorModel::of(use_of, &job, &*errors.table(&job)?)?;
         model.lacks_squareness(model.level());
         Ok(Inputs {
             job,

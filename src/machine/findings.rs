@@ -156,6 +156,5 @@ findings! {
 
 /// A number with its first two digits that are not zero, as in `0.018`.
 pub(super) fn two_digits(number: f64) -> String {
-    let rounded = format!("{number:.1e}").parse::<f64>();
-    rounded.unwrap_or(number).to_string()
+    format!("{number:.1e}").parse::<f64>().unwrap_or(number).to_string()
 }

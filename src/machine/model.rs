@@ -22,8 +22,9 @@
 
 pub use self::measured::Measured;
 use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, measured_range};
+pub(crate) use self::measured::{Range, within};
 use crate::inputs::error_table::{Cause, ErrorTable, Heading, Kind, Remarks, Series, Sizes};
-use crate::inputs::job::{Job, MachineAxis, MeasuredData};
+use crate::inputs::job::{Job, MachineAxis, MeasuredData, UseOf};
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, mean, range};
 use crate::machine::separation::joint::zero;
@@ -48,14 +49,12 @@ impl MeasuredTerm {
     /// Largest standard uncertainty (k = 1) of a value against that at the reference, µm; `None` =
     /// not stated.
     pub(crate) fn u_um(&self) -> Option<f64> {
-        let all = self.uncertainty.iter().map(|point| point.u_um);
-        all.reduce(larger)
+        self.uncertainty.iter().map(|point| point.u_um).reduce(larger)
     }
 
     /// Largest standard uncertainty (k = 1) of a value by itself, µm; `None` = not stated.
     pub(crate) fn u_value_um(&self) -> Option<f64> {
-        let all = self.uncertainty.iter().map(|point| point.value_um);
-        all.reduce(larger)
+        self.uncertainty.iter().map(|point| point.value_um).reduce(larger)
     }
 
     /// Largest |deviation| over the measured range and all measured directions, µm.
@@ -65,13 +64,9 @@ impl MeasuredTerm {
 
     /// The same over the part of the measured range that lies within another one (the contract's
     /// `before_um`).
-    pub(crate) fn largest_within_um(&self, range: Option<(Millimetres, Millimetres)>) -> f64 {
+    pub(crate) fn largest_within_um(&self, range: Option<Range>) -> f64 {
         let largest = |curve: &ErrorCurve| {
-            let (mut from, mut to) = curve.measured_range();
-            if let Some((low, high)) = range {
-                from = if low > from { low } else { from };
-                to = if high < to { high } else { to };
-            }
+            let (from, to) = within(curve.measured_range(), range);
             curve.largest_magnitude(from, to)
         };
         self.curves().map(largest).fold(0.0, larger)
@@ -89,8 +84,7 @@ impl MeasuredTerm {
             return None;
         };
         let difference = plus.difference(minus)?;
-        let um = difference.knots().iter().map(|at| difference.at(*at).um());
-        Some(Deviation::from_um(mean(um)))
+        Some(Deviation::from_um(mean(difference.knots().iter().map(|at| difference.at(*at).um()))))
     }
 
     /// Adds a slope, µm/m. Outside the measured range the tilt is held with the curve, so off that range the line has its
@@ -124,7 +118,7 @@ pub struct ErrorModel {
     /// `angles_zero_mm`. No table of a control holds them.
     pub rotations: PerTerm<Option<Measured>>,
     /// The measured range of each axis (where all its directions were measured).
-    pub ranges: PerAxis<Option<(Millimetres, Millimetres)>>,
+    pub ranges: PerAxis<Option<Range>>,
     /// The heading under which each term stands in its error table.
     pub headings: PerTerm<Option<Heading>>,
     /// Standard uncertainty of the laser's scale that no column holds, µm/m; 0 = not stated.
@@ -139,15 +133,11 @@ impl ErrorModel {
     /// Curves from a table and a job. All problems of both are given at once; a table without any
     /// deviation is refused.
     pub fn build(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
-        ErrorModel::of(job, table, true)
+        ErrorModel::of(UseOf::Tables, job, table)
     }
 
-    /// The same for figures of the volume, where angles alone will do.
-    pub(crate) fn for_figures(job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
-        ErrorModel::of(job, table, false)
-    }
-
-    fn of(job: &Job, table: &ErrorTable, deviations: bool) -> Result<ErrorModel, Problems> {
+    /// The same; for figures of the volume angles alone will do.
+    pub(crate) fn of(of: UseOf, job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
         let mut problems = Problems::none();
         measured::check_places(job, table, &mut problems);
         let terms = PerTerm::from_fn(|term| measured_term(job, table, term));
@@ -170,15 +160,18 @@ impl ErrorModel {
         }
         let other = other.map(|zero| Finding::from(ModelFinding::OtherReference { zero }));
         let laser_ppm = job.measurement.uncertainty.laser_ppm;
-        let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
+        let angles_do = of == UseOf::Figures && rotations.iter().any(|(_, of)| of.is_some());
         let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
         if nothing && problems.is_empty() {
             problems.push(table.holds_nothing());
         }
+        // Readings of the diagonals hold the squareness, however small: of a table that was separated it is known.
+        let is_separated = table.remarks.frame.is_some() && table.is_single();
+        let separated = Plane::ALL.map(Plane::carrier).into_iter().filter(|_| is_separated);
         let mut model = ErrorModel {
             terms,
             without_squareness: Vec::new(),
-            known_squareness: Vec::new(),
+            known_squareness: separated.collect(),
             rotations,
             ranges: PerAxis::from_fn(|axis| measured_range(table.series(axis))),
             laser_um_per_m: beside_table(job, laser_ppm).unwrap_or(0.0),
@@ -186,7 +179,6 @@ impl ErrorModel {
             unused: measured::not_compensated(table).into_iter().chain(other).collect(),
             remarks,
         };
-        model.know_separated(table);
         model.add_squareness(job, &mut problems);
         problems.or_ok(model)
     }
@@ -202,8 +194,7 @@ impl ErrorModel {
     /// Why figures that rest on these curves are doubtful; `asked` = the terms
     /// that the job wants. A verdict is then at most undecided.
     pub(crate) fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<Finding> {
-        let missing = self.remarks.not_determined.iter();
-        let missing = missing.map(|(term, _)| *term);
+        let missing = self.remarks.not_determined.iter().map(|(term, _)| *term);
         let terms: Vec<ErrorTerm> =
             missing.filter(|term| asked(*term) && self.terms[*term].is_none()).collect();
         let missing = (!terms.is_empty()).then_some(ModelFinding::NotDetermined { terms });
@@ -247,7 +238,76 @@ impl ErrorModel {
         self.unused = unused.chain(measured::deviations_beside(table)).collect();
         Ok(())
     }
+
+    // The squareness of two axes in the curves of their cross terms: the sum of both slopes. A straightness that was evaluated
+    // about its own line has no slope and holds none: then the job states it, and it is added to one of the two.
+
+    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured and hold it; end-point
+    /// slopes. Positive = the angle between the positive axis directions is less than 90°
+    /// (contract §1).
+    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
+        let pair = [(first, second), (second, first)].map(|(of, along)| ErrorTerm { of, along });
+        let is_known = pair.iter().all(|term| !self.without_squareness.contains(term));
+        slopes(&self.terms, pair[0]).filter(|_| is_known)
+    }
+
+    /// The terms to which a squareness would be added where neither slopes, the job nor readings of this measurement hold it.
+    pub(crate) fn level(&self) -> Vec<ErrorTerm> {
+        let all = Plane::ALL.into_iter().map(Plane::carrier);
+        let open = all.filter(|term| !self.known_squareness.contains(term));
+        open.filter(|term| are_level(&self.terms, *term)).collect()
+    }
+
+    /// Notes where the squareness of the machine is not known.
+    pub(crate) fn lacks_squareness(&mut self, terms: Vec<ErrorTerm>) {
+        let not_stated = &mut self.remarks.silence.not_stated;
+        not_stated.retain(|cause| *cause != Cause::Squareness);
+        not_stated.extend((!terms.is_empty()).then_some(Cause::Squareness));
+        self.without_squareness = terms;
+    }
+
+    /// Adds what the job states. What the slopes seem to hold already is a doubt.
+    fn add_squareness(&mut self, job: &Job, problems: &mut Problems) {
+        for &(term, stated) in &job.measurement.squareness {
+            let is_same = |own: &f64| (own.abs() - stated.abs()).abs() < SAME_SHARE * stated.abs();
+            let (twice, terms) = (slopes(&self.terms, term).filter(is_same), [term, term.twin()]);
+            let twice = twice.map(|slopes| ModelFinding::SquarenessTwice { terms, stated, slopes });
+            self.remarks.doubts.extend(twice.map(Into::into));
+            self.known_squareness.push(term);
+            let machine = job.machine.axes[term.along];
+            let (Some(measured), Some(machine)) = (self.terms[term].as_mut(), machine) else {
+                let (of, along) = (term.of.key(), term.along.key());
+                let key = format!("measurement.squareness_um_per_m.{of}{along}");
+                let words = format!("squareness is added to {term}, but {term} was not measured");
+                let help = format!(
+                    "give the straightness {term} in the error table, or leave this squareness out"
+                );
+                problems.push(job.problem_at(&key, words).help(help));
+                continue;
+            };
+            measured.tilt(stated, machine);
+        }
+    }
+
+    /// The same in the frame in which the slopes of each plane are as small as a rotation makes them: both are half of the
+    /// squareness; of one without the other nothing is left.
+    pub(crate) fn in_best_frame(&self, job: &Job) -> ErrorModel {
+        let mut model = self.clone();
+        for term in ErrorTerm::ALL.into_iter().filter(|term| term.is_cross()) {
+            let machine = job.machine.axes[term.along];
+            if let (Some(own), Some(machine)) = (model.terms[term].as_mut(), machine) {
+                let half = slopes(&self.terms, term).unwrap_or(0.0) / 2.0;
+                own.tilt(half - own.end_point_slope_um_per_m(), machine);
+            }
+        }
+        model
+    }
 }
+
+/// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
+const LEVEL_UM: f64 = 0.1;
+/// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
+const SAME_SHARE: f64 = 0.25;
 
 fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<MeasuredTerm> {
     let (between, machine) = (job.compensation.curve, job.machine.axes[term.along]?);
@@ -336,89 +396,6 @@ fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Optio
     let is_there = places.get(above).is_some_and(|at| (*at - reference).mm() <= AT_PLACE_MM);
     let below = if is_there { above } else { above.saturating_sub(1) };
     column.iter().copied().take(above + 1).skip(below).reduce(larger)
-}
-
-// The squareness of two axes in the curves of their cross terms: the sum of both slopes. A straightness that was evaluated
-// about its own line has no slope and holds none: then the job states it, and it is added to one of the two.
-
-/// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
-const LEVEL_UM: f64 = 0.1;
-/// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
-const SAME_SHARE: f64 = 0.25;
-
-impl ErrorModel {
-    /// Readings of the diagonals hold the squareness, however small: of a table that was separated it is known.
-    fn know_separated(&mut self, table: &ErrorTable) {
-        if table.remarks.frame.is_some() && table.is_single() {
-            self.known_squareness.extend(Plane::ALL.map(Plane::carrier));
-        }
-    }
-
-    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured and hold it; end-point
-    /// slopes. Positive = the angle between the positive axis directions is less than 90°
-    /// (contract §1).
-    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
-        let pair = [(first, second), (second, first)].map(|(of, along)| ErrorTerm { of, along });
-        let is_known = pair.iter().all(|term| !self.without_squareness.contains(term));
-        slopes(&self.terms, pair[0]).filter(|_| is_known)
-    }
-
-    /// The terms to which a squareness would be added where neither slopes, the job nor readings of this measurement hold it.
-    pub(crate) fn level(&self) -> Vec<ErrorTerm> {
-        let all = Plane::ALL.into_iter().map(Plane::carrier);
-        let open = all.filter(|term| !self.known_squareness.contains(term));
-        open.filter(|term| are_level(&self.terms, *term)).collect()
-    }
-
-    /// Notes where the squareness of the machine is not known.
-    pub(crate) fn lacks_squareness(&mut self, terms: Vec<ErrorTerm>) {
-        let not_stated = &mut self.remarks.silence.not_stated;
-        not_stated.retain(|cause| *cause != Cause::Squareness);
-        not_stated.extend((!terms.is_empty()).then_some(Cause::Squareness));
-        self.without_squareness = terms;
-    }
-
-    /// Adds what the job states. What the slopes seem to hold already is a doubt.
-    fn add_squareness(&mut self, job: &Job, problems: &mut Problems) {
-        for (term, stated) in &job.measurement.squareness {
-            let slopes = slopes(&self.terms, *term);
-            let is_same = |own: &f64| (own.abs() - stated.abs()).abs() < SAME_SHARE * stated.abs();
-            let twice = slopes.filter(is_same);
-            let twice = twice.map(|slopes| ModelFinding::SquarenessTwice {
-                terms: [*term, term.twin()],
-                stated: *stated,
-                slopes,
-            });
-            self.remarks.doubts.extend(twice.map(Into::into));
-            self.known_squareness.push(*term);
-            let machine = job.machine.axes[term.along];
-            let (Some(measured), Some(machine)) = (self.terms[*term].as_mut(), machine) else {
-                let key = format!("{}{}", term.of.key(), term.along.key());
-                let words = format!("squareness is added to {term}, but {term} was not measured");
-                let help = format!(
-                    "give the straightness {term} in the error table, or leave this squareness out"
-                );
-                let key = format!("measurement.squareness_um_per_m.{key}");
-                problems.push(job.problem_at(&key, words).help(help));
-                continue;
-            };
-            measured.tilt(*stated, machine);
-        }
-    }
-
-    /// The same in the frame in which the slopes of each plane are as small as a rotation makes them: both are half of the
-    /// squareness; of one without the other nothing is left.
-    pub(crate) fn in_best_frame(&self, job: &Job) -> ErrorModel {
-        let mut model = self.clone();
-        for term in ErrorTerm::ALL.into_iter().filter(|term| term.is_cross()) {
-            let machine = job.machine.axes[term.along];
-            if let (Some(own), Some(machine)) = (model.terms[term].as_mut(), machine) {
-                let half = slopes(&self.terms, term).unwrap_or(0.0) / 2.0;
-                own.tilt(half - own.end_point_slope_um_per_m(), machine);
-            }
-        }
-        model
-    }
 }
 
 fn slopes(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> Option<f64> {

@@ -154,9 +154,7 @@ impl Separation {
 
     /// The terms that the readings do not determine.
     pub fn missing(&self) -> Vec<ErrorTerm> {
-        let terms = self.errors.mean.iter();
-        let missing = terms.filter(|(_, found)| found.is_none());
-        missing.map(|(term, _)| term).collect()
+        self.errors.mean.iter().filter(|(_, of)| of.is_none()).map(|(term, _)| term).collect()
     }
 
     /// Whether all nine errors are determined and nothing speaks against them: the answer of
@@ -253,8 +251,7 @@ fn anomalies(
     };
     let place = |of: &ReadingPlace| layout.reading(of.pass, of.diagonal, of.node);
     let disturbed = closure.outliers.iter().map(|outlier| {
-        let places = outlier.readings.iter().map(place);
-        places.map(|place| single(place, outlier.of_mean_um)).collect()
+        outlier.readings.iter().map(place).map(|place| single(place, outlier.of_mean_um)).collect()
     });
     let roll = closure.ramps.iter().filter(|ramps| ramps.roll);
     let roll = roll.flat_map(|ramps| start.rolls(&ramps.beyond_um));

@@ -80,8 +80,7 @@ impl Condition {
 
     /// What was found where a condition is not met.
     pub fn missed(conditions: &[Condition]) -> Vec<String> {
-        let missed = conditions.iter().filter(|of| of.met == Met::No);
-        missed.map(|of| of.found.clone()).collect()
+        conditions.iter().filter(|of| of.met == Met::No).map(|of| of.found.clone()).collect()
     }
 }
 

@@ -54,9 +54,10 @@ pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Picture 
         description: locale.between("curves_alt", um),
         columns: COLUMNS,
         panels,
-        note: locale.words(match curves.loaded {
-            Some(_) => "curves_note_tables",
-            None => "curves_note",
+        note: locale.words(if curves.loaded.is_some() {
+            "curves_note_tables"
+        } else {
+            "curves_note"
         }),
     }
 }
@@ -114,8 +115,7 @@ impl Curves<'_> {
         let measured = self.found(term).into_iter().chain(self.left(term));
         let ranges = measured.flat_map(MeasuredTerm::curves).map(ErrorCurve::measured_range);
         let ranges = ranges.map(|(from, to)| (from.mm(), to.mm()));
-        let all = ranges.reduce(|a, b| (smaller(a.0, b.0), larger(a.1, b.1)));
-        all.unwrap_or((0.0, 1.0))
+        ranges.reduce(|a, b| (smaller(a.0, b.0), larger(a.1, b.1))).unwrap_or((0.0, 1.0))
     }
 
     /// What is drawn of a term, bands first; nothing where it was never measured.
@@ -129,8 +129,7 @@ impl Curves<'_> {
         ];
         let last = stages.iter().rfind(|(.., lines)| !lines.is_empty());
         let bands = last.into_iter().flat_map(|(ink, known, lines)| {
-            let bands = lines.iter().filter_map(|line| band(*ink, (*known)?, line));
-            bands.collect::<Vec<Mark>>()
+            lines.iter().filter_map(|line| band(*ink, (*known)?, line)).collect::<Vec<Mark>>()
         });
         let mut marks: Vec<Mark> = bands.collect();
         for (ink, _, lines) in stages {
@@ -198,8 +197,7 @@ fn sampled(curve: &ErrorCurve, added: Option<&Response>) -> Vec<(f64, f64)> {
     let whole = (to - from).mm();
     let even = |part| from.mm() + whole * f64::from(part) / f64::from(SAMPLES);
     let mut places: Vec<f64> = (0..=SAMPLES).map(even).collect();
-    let breaks = added.map(|response| response.breaks(from, to));
-    let breaks = breaks.into_iter().flatten();
+    let breaks = added.map(|response| response.breaks(from, to)).into_iter().flatten();
     let beside = breaks.flat_map(|mm| [mm - BESIDE_MM, mm + BESIDE_MM]);
     places.extend(beside.filter(|mm| (from.mm()..=to.mm()).contains(mm)));
     places.sort_by(f64::total_cmp);
@@ -215,8 +213,7 @@ fn sampled(curve: &ErrorCurve, added: Option<&Response>) -> Vec<(f64, f64)> {
 }
 
 fn knots(curve: &ErrorCurve) -> Vec<(f64, f64)> {
-    let knots = curve.knots().iter();
-    knots.map(|at| (at.mm(), curve.at(*at).um())).collect()
+    curve.knots().iter().map(|at| (at.mm(), curve.at(*at).um())).collect()
 }
 
 /// ±2 u of the values of its direction about a line, straight between the measured positions; none where no
@@ -227,8 +224,7 @@ fn band(ink: Ink, known: &MeasuredTerm, line: &CurveLine) -> Option<Mark> {
     let mut u: Vec<(f64, f64)> = own.map(|point| (point.at.mm(), K * point.u_um)).collect();
     u.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let width = |mm: f64| {
-        let after = u.iter().position(|(at, _)| *at >= mm);
-        let ((a, low), (b, high)) = match after {
+        let ((a, low), (b, high)) = match u.iter().position(|(at, _)| *at >= mm) {
             Some(0) => return Some(u[0].1),
             Some(index) => (u[index - 1], u[index]),
             None => return u.last().map(|(_, um)| *um),
@@ -266,8 +262,7 @@ pub fn targets(
 }
 
 fn marks_of(figures: &Figures) -> Vec<Mark> {
-    let ways = [(Ink::Up, true), (Ink::Down, false)].into_iter();
-    let measured = ways.filter_map(|(ink, is_up)| {
+    let measured = [(Ink::Up, true), (Ink::Down, false)].into_iter().filter_map(|(ink, is_up)| {
         let of = |of: &ByDirection| if is_up { of.up_um } else { of.down_um };
         let targets = figures.targets.iter();
         let known = targets

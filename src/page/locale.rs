@@ -36,10 +36,7 @@ pub(super) struct Unit {
 impl Locale<'_> {
     /// What goes with the unit that is shown.
     pub(super) fn either<T>(self, metric: T, inch: T) -> T {
-        match self.shown {
-            Shown::Metric => metric,
-            Shown::Inch => inch,
-        }
+        if self.shown == Shown::Metric { metric } else { inch }
     }
 
     /// Of positions.
@@ -56,15 +53,13 @@ impl Locale<'_> {
 
     /// The words of a picture; `{mm}` and `{um}` stand for the units of the page.
     pub fn words(self, key: &str) -> String {
-        let words = self.texts.of(key).replace("{mm}", self.mm().sign);
-        words.replace("{um}", self.um().sign)
+        self.texts.of(key).replace("{mm}", self.mm().sign).replace("{um}", self.um().sign)
     }
 
     /// The same for words with `{from}` and `{to}`, deviations in µm.
     pub(super) fn between(self, key: &str, (from, to): (f64, f64)) -> String {
         let number = |um: f64| self.decimal(&rounded(um * self.um().each, 6).to_string());
-        let words = self.words(key).replace("{from}", &number(from));
-        words.replace("{to}", &number(to))
+        self.words(key).replace("{from}", &number(from)).replace("{to}", &number(to))
     }
 
     /// A printed number with the decimal mark of the language.
@@ -75,8 +70,7 @@ impl Locale<'_> {
     /// A deviation without its unit; `decimals` are those of µm.
     pub(super) fn deviation(self, um: f64, decimals: usize) -> String {
         let decimals = self.either(decimals, decimals.saturating_sub(1));
-        let number = format!("{:.decimals$}", Figure(um * self.um().each));
-        self.decimal(&number)
+        self.decimal(&format!("{:.decimals$}", Figure(um * self.um().each)))
     }
 
     /// A position or a distance with its unit: micrometres, or tenths of a thousandth of an inch.
@@ -144,8 +138,7 @@ impl Texts {
         let [(_, english), ..] = LANGUAGES;
         let english = table(&Source::from_bytes("en", english.as_bytes())?)?;
         let absent = |keys: &Words, from: &Words| {
-            let keys = keys.keys().filter(|key| !from.contains_key(*key));
-            keys.cloned().collect::<Vec<_>>()
+            keys.keys().filter(|key| !from.contains_key(*key)).cloned().collect::<Vec<_>>()
         };
         let (missing, unknown) = (absent(&english, &words), absent(&words, &english));
         let mut problems = Problems::none();
@@ -156,8 +149,7 @@ impl Texts {
                 problems.push(Problem::new(words).help(help));
             }
         }
-        let language = language.to_string();
-        problems.or_ok(Texts { language, words })
+        problems.or_ok(Texts { language: language.to_string(), words })
     }
 
     /// The words of a key.
@@ -256,11 +248,6 @@ pub(super) fn below(number: f64) -> f64 {
     let exponents = (0..=6_u32).map(|n| 1.0 / power_of_ten(n)).chain((1..=6).map(power_of_ten));
     let round = exponents.flat_map(|unit| [unit, 2.0 * unit, 5.0 * unit]);
     round.filter(|round| *round <= number / 2.0).fold(0.0, larger)
-}
-
-/// A number of things as a number of a picture.
-pub(super) fn count(number: usize) -> f64 {
-    u32::try_from(number).map_or(f64::MAX, f64::from)
 }
 
 #[cfg(test)]

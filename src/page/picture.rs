@@ -121,8 +121,7 @@ impl Scale {
 
     /// The same axis with its numbers in another unit, which its label names.
     pub(super) fn shown_in(self, unit: Unit) -> Scale {
-        let shown_times = unit.each;
-        Scale { shown_times, ..self }
+        Scale { shown_times: unit.each, ..self }
     }
 }
 
@@ -145,6 +144,12 @@ impl Panel {
     /// A diagram with axes.
     pub(super) fn chart(title: String, across: Scale, up: Scale, marks: Vec<Mark>) -> Panel {
         Panel { title, across, up, marks, is_view: false }
+    }
+
+    /// Without axes, both ways at one scale.
+    pub(super) fn view(title: String, ends: [(f64, f64); 2], marks: Vec<Mark>) -> Panel {
+        let [across, up] = ends.map(|(from, to)| Scale::new("", from, to));
+        Panel { title, across, up, marks, is_view: true }
     }
 }
 
@@ -184,7 +189,6 @@ impl Picture {
     /// The inks that are used, in the order of a legend.
     pub(super) fn inks(&self) -> Vec<Ink> {
         let marks = || self.panels.iter().flatten().flat_map(|panel| &panel.marks);
-        let is_used = |ink: &Ink| marks().any(|mark| mark.ink() == Some(*ink));
-        Ink::all().filter(is_used).collect()
+        Ink::all().filter(|ink| marks().any(|mark| mark.ink() == Some(*ink))).collect()
     }
 }

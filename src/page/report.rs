@@ -181,8 +181,7 @@ impl Report<'_> {
         });
         let (name, text) = TEMPLATE;
         let usual = || Template { name: name.to_string(), text: text.into() };
-        let template = self.template.clone().unwrap_or_else(usual);
-        Ok(emit::page(&template, &context)?)
+        Ok(emit::page(&self.template.clone().unwrap_or_else(usual), &context)?)
     }
 
     fn t(&self, key: &str) -> String {
@@ -214,10 +213,7 @@ impl Report<'_> {
 
     /// The command that the figures of the first page are from.
     fn main(&self) -> &'static str {
-        match self.is_found() {
-            true => "assess",
-            false => "verify",
-        }
+        if self.is_found() { "assess" } else { "verify" }
     }
 
     fn unit(&self) -> &'static str {
@@ -245,12 +241,8 @@ impl Report<'_> {
             Kind::Slope => self.locale.decimal(&format!("{:.2}", Figure(number))),
             Kind::Count => format!("{:.0}", Figure(number)),
         };
-        let words = words.replace('-', "\u{2212}");
-        format!(
-            "<span data-value=\"{number}\" data-of=\"{document} {}\">{}</span>",
-            escaped(at),
-            escaped(&words)
-        )
+        let (at, words) = (escaped(at), escaped(&words.replace('-', "\u{2212}")));
+        format!("<span data-value=\"{number}\" data-of=\"{document} {at}\">{words}</span>")
     }
 
     /// What the second job states under a key.
@@ -338,8 +330,7 @@ impl Report<'_> {
     /// A sentence, or all of a list.
     fn sentences(&self, document: &str, at: &str) -> Vec<String> {
         let own = self.document(document).pointer(at).into_iter();
-        let words = own.chain(self.list(document, at)).filter_map(Value::as_str);
-        words.map(escaped).collect()
+        own.chain(self.list(document, at)).filter_map(Value::as_str).map(escaped).collect()
     }
 
     fn keys(&self, document: &str, at: &str) -> Vec<String> {

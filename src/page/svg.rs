@@ -1,6 +1,6 @@
 //! Pictures as SVG: the only place that knows lengths on paper.
 
-use super::locale::{Locale, Ticks, count};
+use super::locale::{Locale, Ticks};
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
 use crate::quantity::{Figure, smaller};
 use crate::text::escaped;
@@ -50,8 +50,10 @@ pub(super) fn inline(picture: &Picture, locale: Locale<'_>) -> String {
 }
 
 fn drawn(picture: &Picture, locale: Locale<'_>, names: &str, style: &str) -> String {
-    let size = Size::of(picture);
-    let (w, h) = (size.width, size.height);
+    let columns = picture.columns.max(1);
+    let of_panel = [220.0, 230.0, 176.0][columns.min(3) - 1];
+    let rows = picture.panels.len().div_ceil(columns) as f64;
+    let (w, h) = (ROW, HEAD + rows * of_panel + NOTE);
     let [title, description] = [&picture.title, &picture.description].map(|words| escaped(words));
     let mut out = Drawing(format!(
         "<svg{names} viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" aria-label=\"{title}\">
@@ -64,7 +66,7 @@ fn drawn(picture: &Picture, locale: Locale<'_>, names: &str, style: &str) -> Str
     legend(&mut out, locale, &picture.inks());
     for (number, panel) in picture.panels.iter().enumerate() {
         if let Some(panel) = panel {
-            draw(&mut out, locale, panel, size.place(number, picture.columns));
+            draw(&mut out, locale, panel, plot(number, columns, of_panel));
         }
     }
     out.text("", (LEFT - 36.0, h - 7.0), &picture.note);
@@ -72,35 +74,15 @@ fn drawn(picture: &Picture, locale: Locale<'_>, names: &str, style: &str) -> Str
     out.0
 }
 
-/// A picture on its paper.
-struct Size {
-    width: f64,
-    height: f64,
-    panel: (f64, f64),
-}
-
-impl Size {
-    fn of(picture: &Picture) -> Size {
-        let columns = picture.columns.max(1);
-        let panel = match columns {
-            1 => (ROW, 220.0),
-            2 => (ROW / 2.0, 230.0),
-            many => (ROW / count(many), 176.0),
-        };
-        let rows = picture.panels.len().div_ceil(columns);
-        Size { width: ROW, height: HEAD + count(rows) * panel.1 + NOTE, panel }
-    }
-
-    /// The plot of a panel.
-    fn place(&self, number: usize, columns: usize) -> Plot {
-        let (column, row) = (number % columns.max(1), number / columns.max(1));
-        let (width, height) = self.panel;
-        Plot {
-            left: count(column) * width + LEFT,
-            top: HEAD + count(row) * height + TITLE,
-            width: width - LEFT - RIGHT,
-            height: height - TITLE - FOOT,
-        }
+/// The plot of a panel of this height.
+fn plot(number: usize, columns: usize, height: f64) -> Plot {
+    let (column, row) = ((number % columns) as f64, (number / columns) as f64);
+    let width = ROW / columns as f64;
+    Plot {
+        left: column * width + LEFT,
+        top: HEAD + row * height + TITLE,
+        width: width - LEFT - RIGHT,
+        height: height - TITLE - FOOT,
     }
 }
 
@@ -108,7 +90,7 @@ impl Size {
 fn width(words: &str) -> f64 {
     let wide = words.chars().filter(|letter| *letter >= WIDE).count();
     let narrow = words.chars().count() - wide;
-    (count(wide) + count(narrow) * LETTER) * SMALL
+    (wide as f64 + narrow as f64 * LETTER) * SMALL
 }
 
 /// Where a panel's marks go.
@@ -220,26 +202,22 @@ fn axes(out: &mut Drawing, map: &Map<'_>) {
 fn labels(map: &Map<'_>) -> Vec<(f64, String)> {
     if !map.across.names.is_empty() {
         let names = map.across.names.iter().enumerate();
-        return names.map(|(n, name)| (count(n) + 0.5, name.clone())).collect();
+        return names.map(|(n, name)| (n as f64 + 0.5, name.clone())).collect();
     }
     map.ticks(map.across, most_labels(map))
 }
 
 /// As many labels as stand beside each other without touching.
 fn most_labels(map: &Map<'_>) -> usize {
-    let longest = [map.across.from, map.across.to]
-        .map(|end| format!("{:.0}", Figure(end * map.across.shown_times)).len() + 2)
-        .into_iter()
-        .max();
-    let room = map.plot.width / (count(longest.unwrap_or(1) + 1) * SMALL * LETTER);
-    (2..=9).rev().find(|most| count(*most) <= room).unwrap_or(2)
+    let ends = [map.across.from, map.across.to].map(|end| Figure(end * map.across.shown_times));
+    let longest = ends.iter().map(|end| format!("{end:.0}").len() + 2).max();
+    let room = map.plot.width / ((longest.unwrap_or(1) + 1) as f64 * SMALL * LETTER);
+    (2..=9).rev().find(|most| *most as f64 <= room).unwrap_or(2)
 }
 
 fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
-    let class = |kind: &str| match mark.ink() {
-        Some(ink) => format!("{} {kind}", ink.word()),
-        None => kind.to_string(),
-    };
+    let ink = mark.ink().map_or("", Ink::word);
+    let class = |kind: &str| format!("{ink} {kind}");
     match mark {
         Mark::Line(_, points) => out.path(&class("line"), &map.path(points.iter().copied())),
         Mark::Dots(_, points) => {

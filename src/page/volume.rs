@@ -1,7 +1,7 @@
 //! The errors in the volume: vectors in a fixed isometric view, how pairs of places differ, and what
 //! each error contributes.
 
-use crate::page::locale::{Locale, below, count};
+use crate::page::locale::{Locale, below};
 use crate::page::picture::{Ink, Mark, Panel, Picture, Scale, at_one_height};
 use crate::quantity::{Axis, PerAxis, larger};
 use crate::volume::assessment::Assessment;
@@ -72,10 +72,8 @@ fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
     let corner =
         |[a, b, c]: Corner| projected(PerAxis { x: ends[0][a], y: ends[1][b], z: ends[2][c] });
     let mm_per_um = if longest_um > 0.0 { LONGEST * travel / longest_um } else { 0.0 };
-    let arrows = places(side.model).into_iter().map(|place| {
-        let error = side.model.error_at(place);
-        [projected(place), projected(error.times(mm_per_um))]
-    });
+    let drawn = |place| projected(side.model.error_at(place).times(mm_per_um));
+    let arrows = places(side.model).into_iter().map(|place| [projected(place), drawn(place)]);
     let room = LONGEST * travel / 2.0;
     let (left, low) = (corner([0, 0, 0]).0 - room, corner([1, 0, 0]).1 - room);
     let (right, high) = (corner([1, 1, 1]).0 + room, corner([0, 1, 1]).1 + room);
@@ -85,13 +83,8 @@ fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
     marks.extend(Mark::scale((left, low), um * mm_per_um, 0.03 * travel, shown));
     let longest = locale.deviation(longest_of(side.model), 3);
     let (words, unit) = (locale.words("longest_arrow"), locale.um().sign);
-    Panel {
-        title: format!("{}, {words} {longest} {unit}", side.name),
-        across: Scale::new("", left, right),
-        up: Scale::new("", low, high),
-        marks,
-        is_view: true,
-    }
+    let title = format!("{}, {words} {longest} {unit}", side.name);
+    Panel::view(title, [(left, right), (low, high)], marks)
 }
 
 /// The twelve edges of the measured volume, and the names of the axes so far from their ends, mm.
@@ -142,21 +135,21 @@ fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
     let first = sides.first().map(|side| side.assessment.contributions.as_slice());
     let named = first.unwrap_or_default().iter().take(MOST_NAMED);
     let components: Vec<_> = named.map(|part| part.component).collect();
-    let width = 0.8 / larger(count(sides.len()), 1.0);
+    let width = 0.8 / larger(sides.len() as f64, 1.0);
     let mut offset = 0.1;
     let mut marks = Vec::new();
     for side in sides {
         let bars = components.iter().enumerate().filter_map(|(n, component)| {
             let mut own = side.assessment.contributions.iter();
             let part = own.find(|part| part.component == *component)?;
-            Some((offset + count(n), offset + count(n) + width, part.um))
+            Some((offset + n as f64, offset + n as f64 + width, part.um))
         });
         marks.push(Mark::Bars(side.ink, bars.collect()));
         offset += width;
     }
     let um = locale.around(marks.iter().flat_map(Mark::heights));
     let names: Vec<String> = components.iter().map(|component| component.iso_name()).collect();
-    let across = Scale { names, ..Scale::new("", 0.0, count(components.len())) };
+    let across = Scale { names, ..Scale::new("", 0.0, components.len() as f64) };
     Panel::chart(locale.words("contributions"), across, Scale::of_um(locale, um), marks)
 }
 
@@ -187,15 +180,12 @@ impl Trace {
 
     /// One sample: how far along the path, mm, and its error, µm.
     pub fn take(&mut self, s_mm: f64, error_um: [f64; 3]) {
-        while s_mm >= self.stretch_mm * count(MOST) {
+        while s_mm >= self.stretch_mm * MOST as f64 {
             self.stretch_mm *= 2.0;
             let halved = self.stretches.chunks(2);
             self.stretches = halved.map(|two| two.iter().copied().fold(None, both)).collect();
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "the loop above keeps it below MOST; a path begins at 0"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "below MOST; a path begins at 0")]
         let index = (s_mm / self.stretch_mm) as usize;
         if self.stretches.len() <= index {
             self.stretches.resize(index + 1, None);
@@ -234,15 +224,14 @@ pub type HoleErrors = ((f64, f64), Vec<(Ink, (f64, f64))>);
 
 /// A panel for each direction of the error over the length of the path; the worst holes from above.
 pub fn path(locale: Locale<'_>, heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
-    let length = traces.iter().map(|t| t.stretch_mm * count(t.stretches.len())).fold(0.0, larger);
+    let length = traces.iter().map(|t| t.stretch_mm * t.stretches.len() as f64).fold(0.0, larger);
     let drawn = Axis::ALL.map(|of| {
         let bands = traces.iter().map(|trace| (trace.ink, trace.band(of)));
         let marks = bands.flat_map(|(ink, band)| {
             let middle = band.iter().map(|(s, low, high)| (*s, f64::midpoint(*low, *high)));
             [Mark::Line(ink, middle.collect()), Mark::Band(ink, band)]
         });
-        let across = Scale::new("along the path / mm", 0.0, length);
-        (format!("error in {of}"), across, marks.collect())
+        (format!("error in {of}"), Scale::new("along the path / mm", 0.0, length), marks.collect())
     });
     let mut panels = at_one_height(locale, drawn).0;
     panels.extend(from_above(holes).map(Some));
@@ -282,13 +271,8 @@ fn from_above(holes: &[HoleErrors]) -> Option<Panel> {
     let unit = below(longest);
     let (left, low) = (x.0 - room, y.0 - room);
     marks.extend(Mark::scale((left, low), unit * mm_per_um, 0.03 * size, format!("{unit} µm")));
-    Some(Panel {
-        title: "the worst holes from above (X to the right, Y up)".to_string(),
-        across: Scale::new("", left, x.1 + room),
-        up: Scale::new("", low, y.1 + room),
-        marks,
-        is_view: true,
-    })
+    let title = "the worst holes from above (X to the right, Y up)".to_string();
+    Some(Panel::view(title, [(left, x.1 + room), (low, y.1 + room)], marks))
 }
 
 #[cfg(test)]

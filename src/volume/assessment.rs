@@ -279,9 +279,8 @@ impl Grid {
             GridChoice::OwnNodes => (as_it_is.own_nodes(), others),
             GridChoice::Equal(counts) => (as_it_is.equal_nodes(counts), &[][..]),
         };
-        let nodes = others
-            .iter()
-            .fold(measured.clone(), |nodes, other| of_both(&nodes, &other.own_nodes()));
+        let others = others.iter().map(|other| other.own_nodes());
+        let nodes = others.fold(measured.clone(), |nodes, other| of_both(&nodes, &other));
         let counts = nodes.counts();
         if counts.x.saturating_mul(counts.y).saturating_mul(counts.z) > MOST_POINTS {
             return Err(Problem::new(format!(
@@ -396,10 +395,7 @@ fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
             "the sub-volume is {size_mm} mm long in {axis}, which is no whole number of node distances ({step} mm)"
         ));
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a whole number not above the number of nodes"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "whole, at most the number of nodes")]
     Ok(whole as usize + 1)
 }
 

@@ -62,8 +62,7 @@ impl ByComponent {
 }
 
 fn root_of_squares(values: impl IntoIterator<Item = Option<f64>>) -> Option<f64> {
-    let squares = values.into_iter().map(|value| value.map(|v| v * v));
-    squares.sum::<Option<f64>>().map(f64::sqrt)
+    values.into_iter().map(|value| value.map(|v| v * v)).sum::<Option<f64>>().map(f64::sqrt)
 }
 
 /// All figures of a volume. `None` where an error that the figure needs was not measured.
@@ -182,8 +181,7 @@ fn extremes(model: &VolumeModel) -> Extremes {
     PerTerm::from_fn(|term: ErrorTerm| {
         let (low, high) = model.range(term.along);
         let (from, to) = (Millimetres::new(low), Millimetres::new(high));
-        let curve = model.against_reference(term)?;
-        Some(curve.extremes_against_line(from, to, 0.0, 0.0))
+        Some(model.against_reference(term)?.extremes_against_line(from, to, 0.0, 0.0))
     })
 }
 

@@ -294,20 +294,40 @@ impl VolumeModel {
     /// The deviation of a term with stated squareness, zero at the reference.
     pub(crate) fn against_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
         let curve = self.deviation(term)?;
-        let machine = self.machine[term.along];
-        Some(machine.map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
+        Some(self.machine[term.along].map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
+    }
+
+    /// r × (x − optic) at the positions where the straightness was measured, e.g. of X: + ECX·(x − optic)
+    /// to EYX, − EBX·(x − optic) to EZX, µm.
+    ///
+    /// source  docs/volume.md §2: once, as the data are read, not between the measured positions
+    fn optics(&self, model: &ErrorModel, kind: Interpolation) -> PerTerm<Option<ErrorCurve>> {
+        PerTerm::from_fn(|term: ErrorTerm| {
+            let optic = self.levers.straightness_optic[term.along].filter(|_| term.is_cross())?;
+            let curve = model.terms[term].as_ref()?.measured.mean();
+            let added = |place: &Millimetres| self.swung(term, *place, optic);
+            let added: Vec<Deviation> = curve.knots().iter().map(added).collect();
+            Some(ErrorCurve::through(curve.knots(), &added, kind))
+        })
+    }
+
+    fn swung(&self, term: ErrorTerm, place: Millimetres, optic: Millimetres) -> Deviation {
+        let rotation = PerAxis::from_fn(|about| {
+            let curve = self.rotations[Rotation { about, along: term.along }].as_ref();
+            curve.map_or(0.0, |curve| curve.at(place).um())
+        });
+        let own = unit(term.along).times((place - optic).mm());
+        Deviation::from_um(rotation.cross(own)[term.of] / MM_PER_M)
     }
 }
 
 /// The lines of stated squareness, each over the range in which its term was measured, held beyond it; with the
 /// reference outside the range a line is zero at the nearer end, which is what is held there.
 fn squareness(job: &Job, model: &ErrorModel) -> Vec<Squareness> {
-    let stated = job.measurement.squareness.iter();
-    let lines = stated.filter_map(|(term, um_per_m)| {
+    let lines = job.measurement.squareness.iter().filter_map(|(term, um_per_m)| {
         let (low, high) = model.terms[*term].as_ref()?.measured.mean().measured_range();
         let machine = job.machine.axes[term.along];
-        let zero = machine.map_or(low, |machine| machine.reference).mm();
-        let zero = zero.clamp(low.mm(), high.mm());
+        let zero = machine.map_or(low, |machine| machine.reference).mm().clamp(low.mm(), high.mm());
         let at = |place: Millimetres| Deviation::from_um(um_per_m * (place.mm() - zero) / MM_PER_M);
         let line = ErrorCurve::through(&[low, high], &[at(low), at(high)], Interpolation::Linear);
         Some(Squareness { term: *term, um_per_m: *um_per_m, line })
@@ -324,11 +344,8 @@ fn check_optics(job: &Job, chain: Chain, levers: Levers) -> Result<(), Problems>
             let words = format!(
                 "axis {axis} of the chain {chain} does not carry the workpiece, so no optic rides on its table"
             );
-            problems.push(
-                job.problem_at(&key, words).help(
-                    "remove it: the straightness of such an axis is measured at the tool point",
-                ),
-            );
+            let help = "remove it: the straightness of such an axis is measured at the tool point";
+            problems.push(job.problem_at(&key, words).help(help));
         }
     }
     problems.or_ok(())
@@ -383,39 +400,5 @@ impl fmt::Display for Component {
                 out.pad(&format!("squareness_{}{}", term.of.key(), term.along.key()))
             }
         }
-    }
-}
-
-impl VolumeModel {
-    /// r × (x − optic) at the positions where the straightness was measured, e.g. of X: + ECX·(x − optic)
-    /// to EYX, − EBX·(x − optic) to EZX, µm.
-    ///
-    /// source  docs/volume.md §2: once, as the data are read, not between the measured positions
-    pub(super) fn optics(
-        &self,
-        model: &ErrorModel,
-        kind: Interpolation,
-    ) -> PerTerm<Option<ErrorCurve>> {
-        PerTerm::from_fn(|term: ErrorTerm| {
-            let optic = self.levers.straightness_optic[term.along]?;
-            let measured = model.terms[term].as_ref()?;
-            if term.is_positioning() {
-                return None;
-            }
-            let curve = Measured::mean(&measured.measured);
-            let added = |place: &Millimetres| self.swung(term, *place, optic);
-            let added: Vec<Deviation> = curve.knots().iter().map(added).collect();
-            Some(ErrorCurve::through(curve.knots(), &added, kind))
-        })
-    }
-
-    fn swung(&self, term: ErrorTerm, place: Millimetres, optic: Millimetres) -> Deviation {
-        let axis: Axis = term.along;
-        let rotation = PerAxis::from_fn(|about| {
-            let curve = self.rotations[Rotation { about, along: axis }].as_ref();
-            curve.map_or(0.0, |curve| curve.at(place).um())
-        });
-        let own = unit(axis).times((place - optic).mm());
-        Deviation::from_um(rotation.cross(own)[term.of] / MM_PER_M)
     }
 }

@@ -187,10 +187,8 @@ const MANY: f64 = 1e6;
 /// k with which U = k·u holds the true value in 95.45 % of all cases: 2 for a known standard
 /// deviation, more by Student where it was estimated from few (GUM, annex G).
 pub fn coverage_factor(freedom: Option<f64>) -> f64 {
-    match freedom {
-        Some(freedom) if freedom < MANY => student(0.5 + COVERAGE / 2.0, Some(freedom)),
-        _ => 2.0,
-    }
+    let few = freedom.filter(|freedom| *freedom < MANY);
+    few.map_or(2.0, |_| student(0.5 + COVERAGE / 2.0, few))
 }
 
 /// Quantile of Student's distribution; of the normal one where the freedom is not limited.
@@ -297,8 +295,7 @@ impl Model {
         row.0.iter().for_each(|(place, weight)| dense[*place] += weight);
         let entries = dense.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
         let row = Row(entries.collect());
-        let effects = self.causes.iter().map(|cause| row.dot(&cause.column)).collect();
-        Weights(dense, effects)
+        Weights(dense, self.causes.iter().map(|cause| row.dot(&cause.column)).collect())
     }
 
     /// cov of two figures by some of the causes, without angles.

@@ -29,23 +29,17 @@ pub fn from_kit(
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<ActiveControl, Problems> {
     let document: Value = json_page(manifest).map_err(|error| {
-        problem(
-            job,
-            format!("`{path}/manifest.json` is damaged: {error}"),
-            "name the kit as it was made, or the files read out of the control",
-        )
+        let words = format!("`{path}/manifest.json` is damaged: {error}");
+        problem(job, words, "name the kit as it was made, or the files read out of the control")
     })?;
     let files = acting(job, path, &document, files)?;
     let mut problems = Problems::none();
     let (controller, state) = (word(&document["controller"]), &document["state"]);
     if controller != profile.id {
-        let message = format!(
-            "the active tables were made for the control `{}`, the job is for `{}`",
-            shown(controller),
-            profile.id
-        );
-        let help = "name the kit that was loaded into this control";
-        problems.push(problem(job, message, help));
+        let (made, own) = (shown(controller), &profile.id);
+        let message =
+            format!("the active tables were made for the control `{made}`, the job is for `{own}`");
+        problems.push(problem(job, message, "name the kit that was loaded into this control"));
     }
     let findings = check_machine(job, &document["machine"], &mut problems);
     let found = backlash(&axis_names(job, profile)?, state);
@@ -57,13 +51,11 @@ pub fn from_kit(
     let tables = read(profile, &files)?.tables;
     let origin =
         Origin::Kit { manifest: manifest.to_vec(), tool: word(&document["tool"]).to_string() };
+    let loaded = format!("the kit `{path}` was loaded and switched on as it was made");
+    let wrong = "the new tables would hold corrections that were not active: read the tables out of the control and name them instead";
     Ok(ActiveControl {
         files: files.into_iter().map(|file| (file.path, file.bytes)).collect(),
-        assumptions: vec![Assumption::of_job(
-            "active_tables",
-            format!("the kit `{path}` was loaded and switched on as it was made"),
-            "the new tables would hold corrections that were not active: read the tables out of the control and name them instead",
-        )],
+        assumptions: vec![Assumption::of_job("active_tables", loaded, wrong)],
         findings,
         tables,
         origin,
@@ -98,19 +90,16 @@ fn acting(
             FileFault::Missing { file } | FileFault::NoPlainName { file } => (file, "is missing"),
             FileFault::NotReadable { message } => (message, "cannot be read"),
         };
-        problems.push(problem(
-            job,
-            format!("`{name}` of the kit `{path}` {what}, so what was active is not known"),
-            "name the kit as it was loaded, or the files read out of the control",
-        ));
+        let words = format!("`{name}` of the kit `{path}` {what}, so what was active is not known");
+        let help = "name the kit as it was loaded, or the files read out of the control";
+        problems.push(problem(job, words, help));
     }
     let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
     let acting = listed(document).filter_map(|(name, entry)| {
         let role = Role::of_word(word(&entry["role"])).filter(acts)?;
         Some(KitFile { path: name.to_string(), role, bytes: files.remove(name)? })
     });
-    let acting = acting.collect();
-    problems.or_ok(acting)
+    problems.or_ok(acting.collect())
 }
 
 /// What the manifest lists, by path.
@@ -180,8 +169,7 @@ fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Fin
         if kit == own {
             same_serial |= key == "serial";
         } else if same_serial {
-            let kit = shown(kit);
-            notes.push(InControl::SameSerial { key, kit, own }.into());
+            notes.push(InControl::SameSerial { key, kit: shown(kit), own }.into());
         } else {
             let message = format!(
                 "the active tables were made for another machine: its {what} is `{}`, that of the job `{own}`",
@@ -203,8 +191,7 @@ fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Fin
 /// The backlash parameters that the kit named; the axes of a gantry have the same one.
 fn backlash(names: &PerAxis<Vec<String>>, state: &Value) -> PerAxis<Option<f64>> {
     PerAxis::from_fn(|axis| {
-        let mut own = names[axis].iter();
-        own.find_map(|name| named_axis(state, name))?["backlash_um"].as_f64()
+        names[axis].iter().find_map(|name| named_axis(state, name))?["backlash_um"].as_f64()
     })
 }
 
@@ -220,21 +207,17 @@ fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Prob
     }
     let (unit, own_unit) = (word(&state["unit"]), own.unit.word());
     if unit != own_unit {
-        problems.push(problem(
-            job,
-            format!("the active tables are in {}, the job in {own_unit}", shown(unit)),
-            "correct `control_unit`, or make the new tables in the unit of the old ones",
-        ));
+        let words = format!("the active tables are in {}, the job in {own_unit}", shown(unit));
+        let help = "correct `control_unit`, or make the new tables in the unit of the old ones";
+        problems.push(problem(job, words, help));
     }
     for entry in items(&state["axes"]) {
         let name = word(&entry["name"]);
         let Some(axis) = own.axis(name) else {
             let name = shown(name);
-            problems.push(problem(
-                job,
-                format!("the active tables are for an axis `{name}`, which the job does not have"),
-                "compare `id` of [compensation.axes] with the kit",
-            ));
+            let words =
+                format!("the active tables are for an axis `{name}`, which the job does not have");
+            problems.push(problem(job, words, "compare `id` of [compensation.axes] with the kit"));
             continue;
         };
         for words in differences(axis, entry) {
@@ -263,8 +246,7 @@ fn differences(own: &AxisState, entry: &Value) -> Vec<String> {
             "the active tables are for a reference return in {direction}, the job for {homing}"
         ));
     }
-    let unit = entry["detection_unit_um"].as_f64();
-    if let (Some(old), Some(new)) = (unit, own.detection_unit_um)
+    if let (Some(old), Some(new)) = (entry["detection_unit_um"].as_f64(), own.detection_unit_um)
         && (old - new).abs() > SAME
     {
         words

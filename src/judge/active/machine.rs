@@ -86,11 +86,8 @@ fn angles_active(
     let message = format!(
         "the active tables hold angles ({rotation}): what they did at the levers cannot be added to the new ones"
     );
-    Some(problem(
-        job,
-        message,
-        "measure with this compensation switched off, and write `active_while_measuring = \"none\"`",
-    ))
+    let help = "measure with this compensation switched off, and write `active_while_measuring = \"none\"`";
+    Some(problem(job, message, help))
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
@@ -111,19 +108,15 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
         some => some.join("; "),
     };
     let message = format!("the active tables correct nothing of the job's axes: {found}");
-    problem(
-        job,
-        message,
-        "compare `id` of [compensation.axes] with the names in the files; write \"none\" if no compensation was active",
-    )
+    let help = "compare `id` of [compensation.axes] with the names in the files; write \"none\" if no compensation was active";
+    problem(job, message, help)
 }
 
 /// Axes of which the new tables set the backlash parameter.
 fn sets_backlash(job: &Job, profile: &Profile, measured: &ErrorModel, axis: Axis) -> bool {
     use BacklashPolicy::{CurveAndParameter, TwoTables};
     let term = ErrorTerm::positioning(axis);
-    let policy = job.compensation.backlash[axis];
-    let by_policy = matches!(policy, Some(TwoTables | CurveAndParameter));
+    let by_policy = matches!(job.compensation.backlash[axis], Some(TwoTables | CurveAndParameter));
     let is_set = by_policy || replaces_backlash(profile);
     is_set && measured.terms[term].is_some() && wants(job, term)
 }
@@ -139,11 +132,11 @@ fn check_backlash(
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if sets(axis) && active.backlash_um[axis].is_none() {
-            problems.push(problem(
-                job,
-                format!("the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"),
-                "read it out too (MD32450, 1851, BACKLASH), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]",
-            ));
+            let words = format!(
+                "the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"
+            );
+            let help = "read it out too (MD32450, 1851, BACKLASH), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]";
+            problems.push(problem(job, words, help));
         }
     }
     problems.or_ok(())
@@ -157,8 +150,7 @@ fn acting_state(
 ) -> ControlState {
     let mut state = active.state.clone();
     for axis in &mut state.axes {
-        let own = axis_of(names, &axis.name);
-        if !own.is_some_and(&sets) {
+        if !axis_of(names, &axis.name).is_some_and(&sets) {
             axis.backlash_um = 0.0;
         }
     }
@@ -185,30 +177,25 @@ fn old_correction(
     pairs: &[(&str, &str)],
     control: &dyn Emulator,
 ) -> Result<Option<Pair>, Problems> {
-    let is_missing = |axis: &Axis| job.machine.axes[*axis].is_none();
-    if [term.of, term.along].iter().any(is_missing) {
+    if [term.of, term.along].iter().any(|axis| job.machine.axes[*axis].is_none()) {
         return Ok(None); // the job has no such axis
     }
     let all = pairs.iter().map(|(base, output)| Pair::of(control, base, output));
-    let all: Emulated<Vec<Pair>> = all.collect();
-    let all = all.map_err(|reason| cannot(job, &reason))?;
+    let all: Vec<Pair> = all.collect::<Emulated<_>>().map_err(|reason| cannot(job, &reason))?;
     let refuse = |message: String, help: &str| Err(problem(job, message, help).into());
     if let Some(index) = (1..all.len()).find(|index| differs(&all[0], &all[*index])) {
         let (first, other) = (pairs[0].1, pairs[index].1);
-        return refuse(
-            format!(
-                "{term}: the active tables of {first} and {other} differ, and one table for both would lose the difference"
-            ),
-            "bring the axes of the gantry to the same table first, or measure with the compensation switched off",
+        let message = format!(
+            "{term}: the active tables of {first} and {other} differ, and one table for both would lose the difference"
         );
+        let help = "bring the axes of the gantry to the same table first, or measure with the compensation switched off";
+        return refuse(message, help);
     }
     if all.iter().flat_map(Pair::tables).any(|table| table.modulo) {
-        return refuse(
-            format!(
-                "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
-            ),
-            "measure with this compensation switched off",
+        let message = format!(
+            "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
         );
+        return refuse(message, "measure with this compensation switched off");
     }
     Ok(all.into_iter().next().filter(acts))
 }
@@ -263,9 +250,7 @@ impl Sum<'_> {
         };
         let with = |curve: &ErrorCurve, direction| {
             let steps = steps(old.way(direction), curve, &nodes, kind);
-            let held = held(direction);
-            let curve = steps.map_or_else(|| curve.clone(), |steps| curve.plus(&steps));
-            curve.plus(&held)
+            steps.map_or_else(|| curve.clone(), |steps| curve.plus(&steps)).plus(&held(direction))
         };
         let measured = match &own.measured {
             Measured::OneWay(direction, curve) => {
@@ -315,15 +300,12 @@ fn steps(
     kind: Interpolation,
 ) -> Option<ErrorCurve> {
     let straight = response.straightened();
-    let at_node = |at: Millimetres| {
-        let near = |node: &Millimetres| (node.mm() - at.mm()).abs() < AT_PLACE_MM;
-        nodes.iter().any(near)
-    };
     let extra = |at: &Millimetres| {
-        if at_node(*at) {
-            return Deviation::ZERO;
+        let near = |node: &Millimetres| (node.mm() - at.mm()).abs() < AT_PLACE_MM;
+        match nodes.iter().any(near) {
+            true => Deviation::ZERO,
+            false => -response.correction(*at) - -straight.correction(*at),
         }
-        -response.correction(*at) - -straight.correction(*at)
     };
     let extra: Vec<Deviation> = measured.knots().iter().map(extra).collect();
     let any = extra.iter().any(|d| d.um().abs() > NOTHING_UM);
@@ -331,11 +313,8 @@ fn steps(
 }
 
 fn not_measured(job: &Job, term: ErrorTerm) -> Problem {
-    problem(
-        job,
-        format!("the active tables correct {term}, which was not measured"),
-        "measure it, or write `active_terms_not_measured = \"keep\"` (its correction is carried over) or \"drop\" (the new tables do without it) in [measurement]",
-    )
+    let help = "measure it, or write `active_terms_not_measured = \"keep\"` (its correction is carried over) or \"drop\" (the new tables do without it) in [measurement]";
+    problem(job, format!("the active tables correct {term}, which was not measured"), help)
 }
 
 fn not_asked(job: &Job, term: ErrorTerm) -> Problem {

@@ -3,7 +3,7 @@
 
 use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::inputs::error_table::Cause;
-use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope, MeasuredData};
+use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope};
 use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, Volume};
@@ -27,7 +27,13 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
             problems.push(first.problem_at(&key, format!("as found, {what} is {here}")));
         }
     }
-    problems.extend(same_kind_of_scale(first, second));
+    // Lengths that were brought to 20 °C cannot be compared with lengths that were not.
+    let stated = |job: &Job| Some(job.measurement.diagonals()?.material.is_some());
+    if (stated(first), stated(second)) == (Some(true), Some(false)) {
+        let message = "the second job does not state [measurement.step_diagonal.material], the first one does";
+        let problem = second.problem_at("", message.to_string());
+        problems.push(problem.help("state it with the temperatures of the second measurement: they are never taken from the first"));
+    }
     if ![Acceptance::default(), first.acceptance].contains(&second.acceptance) {
         let words = "the second job asks for other limits than the first";
         let help = "both are judged by those of the first job: state there what is asked, and nothing here";
@@ -36,28 +42,10 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
     problems.or_ok(())
 }
 
-/// Lengths that were brought to 20 °C cannot be compared with lengths that were not.
-fn same_kind_of_scale(first: &Job, second: &Job) -> Problems {
-    let stated = |job: &Job| match &job.measurement.data {
-        MeasuredData::Diagonals(measured) => Some(measured.material.is_some()),
-        MeasuredData::Errors(_) => None,
-    };
-    let mut problems = Problems::none();
-    if (stated(first), stated(second)) == (Some(true), Some(false)) {
-        let message = "the second job does not state [measurement.step_diagonal.material], the first one does";
-        let problem = second.problem_at("", message.to_string());
-        problems.push(problem.help("state it with the temperatures of the second measurement: they are never taken from the first"));
-    }
-    problems
-}
-
 /// Stated slopes of the linear axes that are all those of the first job, to the last digit.
 pub(crate) fn same_slopes(first: &Job, second: &Job) -> Option<Finding> {
-    let stated = |job: &Job| match &job.measurement.data {
-        MeasuredData::Diagonals(measured) => measured.linear.clone(),
-        MeasuredData::Errors(_) => Vec::new(),
-    };
-    let (before, after) = (stated(first), stated(second));
+    let [before, after] = [first, second]
+        .map(|job| job.measurement.diagonals().map_or(&[][..], |measured| &measured.linear));
     let is_copy = |own: &Linear| match own.slope {
         LinearSlope::Stated(slope) => {
             slope.abs() > 0.0 && before.iter().any(|b| (b.axis, &b.slope) == (own.axis, &own.slope))
@@ -91,21 +79,10 @@ fn told(job: &Job) -> Vec<(String, String, Option<String>)> {
     told
 }
 
-/// Refuses two measurements without a term, direction or range in common.
-pub(super) fn ensure_common_ground(
-    before: &ErrorModel,
-    after: &AfterMeasurement,
-) -> Result<(), Problems> {
-    match after {
-        AfterMeasurement::Errors(model) => common_terms(before, model),
-        AfterMeasurement::Diagonals(runs) => nine_terms_over(before, runs),
-    }
-}
-
-fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<(), Problems> {
+/// Refuses two measurements without a term or range in common.
+pub(super) fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<(), Problems> {
     let names = |model: &ErrorModel| joined(model.measured().map(|(term, _)| term));
-    let is_common = |(term, _): (ErrorTerm, &_)| before.terms[term].is_some();
-    if !model.measured().any(is_common) {
+    if !model.measured().any(|(term, _)| before.terms[term].is_some()) {
         return Err(Problem::new(format!(
             "both measurements have no error in common: as found {}, afterwards {}",
             names(before),
@@ -120,30 +97,23 @@ fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<(), Problems>
             continue;
         };
         if second.1 <= first.0 || second.0 >= first.1 {
+            let [[from, to], [low, high]] = [first, second].map(|(a, b)| [a.mm(), b.mm()]);
             let message = format!(
-                "axis {axis} was measured from {} to {} mm as found and from {} to {} mm afterwards: no position in common",
-                first.0.mm(),
-                first.1.mm(),
-                second.0.mm(),
-                second.1.mm()
+                "axis {axis} was measured from {from} to {to} mm as found and from {low} to {high} mm afterwards: no position in common"
             );
-            problems.push(
-                Problem::new(message)
-                    .help("both files count in machine coordinates; measure the same range again"),
-            );
+            let help = "both files count in machine coordinates; measure the same range again";
+            problems.push(Problem::new(message).help(help));
         }
     }
     problems.or_ok(())
 }
 
-fn nine_terms_over(before: &ErrorModel, runs: &StraightRuns) -> Result<(), Problems> {
+pub(super) fn nine_terms_over(before: &ErrorModel, runs: &StraightRuns) -> Result<(), Problems> {
     let walks = |axis: Axis, direction: Direction| {
-        let mut walks = runs.walks.iter();
-        walks.any(|walk| walk.diagonal.travelled(axis, walk.pass) == direction)
+        runs.walks.iter().any(|walk| walk.diagonal.travelled(axis, walk.pass) == direction)
     };
     let mut problems = Problems::none();
-    let outside = outside(before, &runs.volume);
-    for words in not_known(before, walks).into_iter().chain(outside) {
+    for words in not_known(before, walks).into_iter().chain(outside(before, &runs.volume)) {
         let message =
             format!("the first measurement does not tell what the straight runs show: {words}");
         problems.push(Problem::new(message).help("measure the errors of the first measurement there too, each by itself, or give the second one as an error table of what was measured first"));
@@ -260,8 +230,7 @@ fn has_same_values(before: &ErrorModel, after: &ErrorModel) -> bool {
 fn sparse(before: &ErrorModel, after: &ErrorModel, axis: Axis) -> Option<AsLeft> {
     let terms = after.measured().filter(|(term, _)| term.along == axis);
     let gaps = terms.filter_map(|(term, measured)| {
-        let first = before.terms[term].as_ref()?;
-        Some((widest_gap_mm(first)?, widest_gap_mm(measured)?))
+        Some((widest_gap_mm(before.terms[term].as_ref()?)?, widest_gap_mm(measured)?))
     });
     let (first_mm, second_mm) = gaps
         .filter(|(first, second)| *second > ROUNDING * WIDEST_GAP * first)
@@ -271,19 +240,15 @@ fn sparse(before: &ErrorModel, after: &ErrorModel, axis: Axis) -> Option<AsLeft>
 
 /// Widest gap between neighbouring positions of a term, mm.
 fn widest_gap_mm(measured: &MeasuredTerm) -> Option<f64> {
-    let gaps = measured.curves().flat_map(|curve| {
-        let pairs = curve.knots().windows(2);
-        pairs.map(|pair| (pair[1] - pair[0]).mm())
-    });
-    gaps.reduce(f64::max)
+    let pairs = measured.curves().flat_map(|curve| curve.knots().windows(2));
+    pairs.map(|pair| (pair[1] - pair[0]).mm()).reduce(f64::max)
 }
 
 /// Terms that are known in both directions as found, of which one, or the mean, was measured again.
 fn reversal_not_seen(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
     let both = |measured: &MeasuredTerm| measured.measured.has_both_ways();
     let known = |term: ErrorTerm| before.terms[term].as_ref().is_some_and(both);
-    let seen = after.measured();
-    let fewer = seen.filter(|(term, measured)| known(*term) && !both(measured));
+    let fewer = after.measured().filter(|(term, measured)| known(*term) && !both(measured));
     let terms: Vec<ErrorTerm> = fewer.map(|(term, _)| term).collect();
     (!terms.is_empty()).then_some(AsLeft::ReversalNotSeen { terms })
 }
@@ -330,11 +295,11 @@ fn other_frame(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
 /// The reversal of a second measurement in both directions, where the first one did not tell them
 /// apart.
 #[derive(Clone, Debug)]
-pub struct UnseenReversal {
+pub(crate) struct UnseenReversal {
     /// B of each of these errors.
-    pub found: Finding,
+    pub(crate) found: Finding,
     /// The second measurement with the mean of both directions in their place.
-    pub without: ErrorModel,
+    pub(crate) without: ErrorModel,
 }
 
 /// What the first measurement could not see; `None` where both tell the directions apart, or

@@ -139,8 +139,7 @@ impl Observation {
 }
 
 fn weighted(parts: &[Part], value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
-    let values = parts.iter().map(|part| Some(part.weight * value(part)?));
-    values.sum()
+    parts.iter().map(|part| Some(part.weight * value(part)?)).sum()
 }
 
 /// Every value of the second measurement that the first one has an answer to.
@@ -197,8 +196,7 @@ fn variance(parts: &[Part], u_um: impl Fn(ErrorTerm) -> Option<f64>) -> f64 {
 
 /// What the first measurement says of a value; `None` where it has no answer.
 fn found_um(before: &ErrorModel, parts: &[Part]) -> Option<f64> {
-    let found = weighted(parts, |part| before_um(before, part));
-    found.filter(|_| !parts.is_empty())
+    weighted(parts, |part| before_um(before, part)).filter(|_| !parts.is_empty())
 }
 
 /// A value without direction is the mean of the directions that were measured first; none where
@@ -221,14 +219,13 @@ fn parts_of(
         .filter(|direction| way.is_none_or(|way| way == *direction) && known(direction))
         .collect();
     let weight = if ways.len() == 2 { 0.5 } else { 1.0 };
-    let part = |direction| Part { term, direction, at, weight };
-    ways.into_iter().map(part).collect()
+    ways.into_iter().map(|direction| Part { term, direction, at, weight }).collect()
 }
 
 fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation> {
     let mut seen = Vec::new();
     for (number, walk) in runs.walks.iter().enumerate() {
-        let laser = runs.volume.laser(walk.diagonal);
+        let (laser, is_back) = (runs.volume.laser(walk.diagonal), walk.pass == Pass::Reverse);
         for (node, um) in walk.um.iter().enumerate() {
             let place = runs.volume.place(walk.diagonal, PathKind::Straight, node);
             let part = |term: ErrorTerm| Part {
@@ -250,19 +247,13 @@ fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation>
                 found_um,
                 u_um: runs.u_um,
                 curve: number,
-                zero: zero_of(runs.one_zero, walk.diagonal, walk.pass),
+                // Passes share a zero where the reverse pass counts from the forward start.
+                zero: 2 * walk.diagonal as usize + usize::from(is_back && !runs.one_zero),
                 diagonal: Some(walk.diagonal),
             });
         }
     }
     seen
-}
-
-/// Passes of one diagonal share a zero where the reverse pass counts from the forward start.
-fn zero_of(one_zero: bool, diagonal: Diagonal, pass: Pass) -> usize {
-    let own = Diagonal::ALL.into_iter().position(|other| other == diagonal);
-    let back = usize::from(pass == Pass::Reverse && !one_zero);
-    2 * own.unwrap_or_default() + back
 }
 
 /// The deviation as found where a part of an observation looks, µm; `None` = not measured in this

@@ -172,10 +172,8 @@ pub enum Slip {
 impl Slip {
     /// The six exchanges of two names and the five orders other than the recorded one.
     pub fn all(recorded: [Axis; 3]) -> Vec<Slip> {
-        let names = Diagonal::ALL.into_iter().enumerate();
-        let pairs = names.flat_map(|(index, one)| {
-            let others = Diagonal::ALL.into_iter().skip(index + 1);
-            others.map(move |other| Slip::Names(one, other))
+        let pairs = Diagonal::ALL.into_iter().enumerate().flat_map(|(index, one)| {
+            Diagonal::ALL.into_iter().skip(index + 1).map(move |other| Slip::Names(one, other))
         });
         let others = Axis::ORDERS.into_iter().filter(|order| *order != recorded);
         pairs.chain(others.map(Slip::Order)).collect()

@@ -52,8 +52,7 @@ pub(super) struct Fit {
 impl Fit {
     /// Largest difference of two predictions, µm.
     pub(super) fn differs_from(&self, other: &Fit) -> f64 {
-        let off = minus(&self.predicted_um, &other.predicted_um);
-        off.into_iter().map(f64::abs).fold(0.0, f64::max)
+        minus(&self.predicted_um, &other.predicted_um).into_iter().map(f64::abs).fold(0.0, f64::max)
     }
 }
 
@@ -152,11 +151,9 @@ impl<'a> Data<'a> {
         let best = fits.iter().min_by(|a, b| self.rms(a, None).total_cmp(&self.rms(b, None)));
         let best = best.and_then(|fit| self.scatter(fit)).map_or(own, |(um, _)| um);
         let freedom = count / DIFFERENCES_OF_A_FREEDOM;
-        let ratio = FisherSnedecor::new(freedom, freedom).ok()?;
-        let by_chance = ratio.inverse_cdf(1.0 - RISK).sqrt();
+        let by_chance = FisherSnedecor::new(freedom, freedom).ok()?.inverse_cdf(1.0 - RISK).sqrt();
         let sigma = if own > by_chance * best { best } else { own };
-        let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
-        let widened = student.inverse_cdf(1.0 - RISK / 2.0);
+        let widened = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(1.0 - RISK / 2.0);
         Some(sigma * widened / quantile(1.0 - RISK, 1.0).sqrt())
     }
 
@@ -356,8 +353,7 @@ pub(super) fn plus(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 fn root_mean_square(values: &[f64]) -> f64 {
-    let count = values.len().max(1) as f64;
-    (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Table values are whole counts, spread evenly over one.

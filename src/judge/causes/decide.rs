@@ -96,7 +96,7 @@ fn apart_um(one: &BothWays, other: &BothWays) -> f64 {
 /// `shown` = as planned, then with each hypothesis.
 fn display_at(
     standing: &Standing<'_>,
-    (term, at): (ErrorTerm, Millimetres),
+    (ErrorTerm { of, along }, at): (ErrorTerm, Millimetres),
     shown: &[BothWays],
     display: &str,
 ) -> String {
@@ -113,15 +113,11 @@ fn display_at(
         true => format!("{plus:.3} µm"),
         false => format!("{plus:.3} / {minus:.3} µm"),
     };
-    let cases = said.iter().map(|(words, own)| format!("{} if {words}", amount(own)));
+    let cases = joined(said.iter().map(|(words, own)| format!("{} if {words}", amount(own))));
     let coming = if alike { "" } else { " coming there moving + / moving -," };
+    let (mm, as_said) = (Figure(at.mm()).trimmed(3), amount(&shown[0]));
     format!(
-        "look at {display}: {} at {} mm, the other axes at their reference points,{coming} the amount for axis {} is {} if the control does what the files say, {} (its sign on the display is not documented)",
-        term.along,
-        Figure(at.mm()).trimmed(3),
-        term.of,
-        amount(&shown[0]),
-        joined(cases)
+        "look at {display}: {along} at {mm} mm, the other axes at their reference points,{coming} the amount for axis {of} is {as_said} if the control does what the files say, {cases} (its sign on the display is not documented)"
     )
 }
 
@@ -223,8 +219,7 @@ impl Data<'_> {
         }
         let step = most / SHIFTS;
         let best = |places: &mut dyn Iterator<Item = f64>| {
-            let squares = places.map(|mm| (square(mm), mm));
-            squares.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
+            places.map(|mm| (square(mm), mm)).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
         };
         let next = |mm: &f64| Some(mm + step);
         let mut grid = std::iter::successors(Some(-most), next).take_while(|mm| *mm <= most);

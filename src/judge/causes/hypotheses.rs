@@ -136,8 +136,7 @@ pub(super) fn all(question: &Question<'_>) -> Vec<Hypothesis> {
     all.push(Hypothesis::new(SHIFTED, Change::Shifted(each()), "the tables of every axis"));
     for axis in Axis::ALL {
         let (shifted, warmer) = (Change::Shifted(only(axis)), Change::Warmer(only(axis)));
-        let tables = format!("the tables looked up along {axis}");
-        all.push(Hypothesis::new(SHIFTED, shifted, &tables));
+        all.push(Hypothesis::new(SHIFTED, shifted, &format!("the tables looked up along {axis}")));
         all.push(Hypothesis::new(TEMPERATURE, warmer, &format!("the scale of axis {axis}")));
     }
     let warmer = [PerAxis::from_fn(|_| Some(0)), each()].map(Change::Warmer);
@@ -186,8 +185,7 @@ fn reversals() -> Vec<Hypothesis> {
     let every = ("every axis".to_string(), of_terms(ErrorTerm::is_positioning));
     for (whose, terms) in [every].into_iter().chain(axes) {
         let subject = format!("the reversal of {whose}");
-        let twice = Change::BacklashTwice(terms.clone());
-        all.push(Hypothesis::new(BACKLASH_TWICE, twice, &subject));
+        all.push(Hypothesis::new(BACKLASH_TWICE, Change::BacklashTwice(terms.clone()), &subject));
         let not = Hypothesis::new(BACKLASH_NOT, Change::BacklashNot(terms.clone()), &subject);
         all.push(not.called(&format!("{whose}: no parameter")));
         for way in Direction::BOTH {
@@ -224,8 +222,7 @@ fn exchanges(question: &Question<'_>) -> Vec<Hypothesis> {
     }
     // A positioning term is its own transpose.
     let twins = from(&ErrorTerm::twin);
-    let twins = Hypothesis::new(WRONG_AXIS, twins, "the tables of the cross terms");
-    all.push(twins.said(
+    all.push(Hypothesis::new(WRONG_AXIS, twins, "the tables of the cross terms").said(
         "act with base and corrected axis exchanged (EYX as EXY): look at input and output axis",
     ));
     for (index, one) in ErrorTerm::ALL.into_iter().enumerate() {

@@ -38,8 +38,7 @@ pub fn contents(
         }
     };
     if !read.unwritten.is_empty() {
-        let parameters = read.unwritten.clone();
-        differences.push(Difference::NotWritten { parameters });
+        differences.push(Difference::NotWritten { parameters: read.unwritten.clone() });
     }
     let mut found: Vec<Finding> = differences.into_iter().map(Finding::from).collect();
     found.extend(family.beside(compiled, read));
@@ -108,8 +107,7 @@ fn by_table(own: &Entries, others: &Entries, told: fn(&Entry) -> bool) -> Vec<(S
         let names = (!names.is_empty()).then(|| listed(&names));
         (block.chain(points).chain(names).collect::<Vec<String>>().join(", "), same.len())
     };
-    let tables = alone.chunk_by(|((a, _), _), ((b, _), _)| a == b);
-    tables.map(of_table).collect()
+    alone.chunk_by(|((a, _), _), ((b, _), _)| a == b).map(of_table).collect()
 }
 
 /// Names and points of a table, each with its own.

@@ -26,7 +26,10 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     for ((name, _), read) in reading.texts.iter().zip(Problems::all(files)?) {
         memories.push(read.memory);
         for parameter in read.spindles {
-            reading.take(of_spindle(&parameter), InControl::Spindle { parameter });
+            // Whose points it means is not known.
+            let wrong = "a spindle with a pitch compensation of its own (Cs axis) would take points of these tables: compare its point numbers on the control";
+            let none = Assumption::of_job(&parameter, "it takes no point of the job's axes", wrong);
+            reading.take(none, InControl::Spindle { parameter });
         }
         if read.passed_over > 0 {
             let (file, count, what) = (name.to_string(), read.passed_over, "other parameters");
@@ -50,15 +53,6 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     sorted.reading.found(Tables::Fanuc(sorted.memory), held);
     sorted.reading.check_unit(unit);
     Ok(())
-}
-
-/// Whose points a parameter of a spindle means is not known.
-fn of_spindle(parameter: &String) -> Assumption {
-    Assumption::of_job(
-        parameter,
-        "it takes no point of the job's axes",
-        "a spindle with a pitch compensation of its own (Cs axis) would take points of these tables: compare its point numbers on the control",
-    )
 }
 
 struct Sorted<'a, 'b> {
@@ -130,8 +124,7 @@ impl Sorted<'_, '_> {
             if let Some(NumberRange { first, last }) = points.first() {
                 let what =
                     format!("the pitch compensation of axis {axis} (points {first} to {last})");
-                let axes = "an axis";
-                self.reading.tell(InControl::OfOthers { what, axes });
+                self.reading.tell(InControl::OfOthers { what, axes: "an axis" });
             }
             self.reading.active.others.points.extend(points);
             self.memory.parameters.retain(|key, _| key.axis != Some(axis));
@@ -192,8 +185,7 @@ impl Sorted<'_, '_> {
             return;
         }
         let known = self.reading.active.held_backlash.iter().filter(|(_, um)| um.is_some());
-        let names: Vec<String> = known.map(|(name, _)| name.clone()).collect();
-        for axis in names {
+        for axis in known.map(|(name, _)| name.clone()).collect::<Vec<_>>() {
             let of = |number| self.memory.amount(number, axis.parse().ok());
             if let (Some(cutting), Some(rapid)) = (of(1851), of(1852))
                 && (cutting - rapid).abs() > 0.0
@@ -213,8 +205,7 @@ impl Sorted<'_, '_> {
         {
             return;
         }
-        let points = self.memory.points.len();
-        self.reading.tell(InControl::PointsOfNobody { points });
+        self.reading.tell(InControl::PointsOfNobody { points: self.memory.points.len() });
     }
 
     /// What was judged, and what does nothing.
@@ -257,8 +248,7 @@ fn found(
                 found.extend(on.reference(machine.reference.mm()));
                 found.extend(on.travel(machine));
             }
-            let settings = job.compensation.axes[axis].as_ref();
-            let stated = settings.and_then(|s| s.detection_unit_um);
+            let stated = job.compensation.axes[axis].as_ref().and_then(|s| s.detection_unit_um);
             found.extend(stated.and_then(|um| on.detection_unit(um)));
         }
     }
@@ -301,20 +291,16 @@ impl OnControl<'_> {
         let letter = char::from_u32(code)?;
         let others = if is_first { "XYZABC" } else { "XYZ" };
         let is_other = others.contains(letter) && letter != own.letter();
-        let axis = self.name.to_string();
-        is_other.then_some(InControl::OtherName { axis, code, letter, own })
+        is_other.then_some(InControl::OtherName { axis: self.name.to_string(), code, letter, own })
     }
 
     /// 1240, within half a digit of the control.
     fn reference(&self, own_mm: f64) -> Option<InControl> {
         let position = self.length(1240)?;
         let off_mm = (position * self.unit.in_mm() - own_mm).abs();
-        (off_mm > 0.5 * self.digit() * self.unit.in_mm() * 1.001).then(|| InControl::Reference {
-            axis: self.name.to_string(),
-            position,
-            unit: self.unit.word(),
-            own_mm,
-        })
+        let is_off = off_mm > 0.5 * self.digit() * self.unit.in_mm() * 1.001;
+        let (axis, unit) = (self.name.to_string(), self.unit.word());
+        is_off.then_some(InControl::Reference { axis, position, unit, own_mm })
     }
 
     /// 1820 and 1013: the least command increment divided by CMR (both from memory).
@@ -391,11 +377,8 @@ fn switches(axis: &AxisState, wanted: &FanucMemory, held: &FanucMemory) -> Vec<I
     let of_state = u8::from(axis.bidirectional) | (u8::from(axis.interpolated) << 1);
     let asked = wanted.bits(3605, number).unwrap_or(of_state) & 0b11;
     let Some(found) = held.bits(3605, number) else {
-        return vec![InControl::NoSwitches {
-            axis: axis.name.clone(),
-            directions: asked & 1,
-            interpolated: asked >> 1,
-        }];
+        let (axis, directions, interpolated) = (axis.name.clone(), asked & 1, asked >> 1);
+        return vec![InControl::NoSwitches { axis, directions, interpolated }];
     };
     let meanings = ["a table for each direction", "lines between the points, not steps"];
     let other = meanings.into_iter().enumerate().map(|(bit, meaning)| {

@@ -32,13 +32,6 @@ pub struct Change {
     pub at_most_um: Option<f64>,
 }
 
-impl Change {
-    /// Whether anything is known of what it is at most.
-    fn is_bounded(&self, doubtful_um: f64) -> bool {
-        self.u_um.is_some() || doubtful_um > 0.0
-    }
-}
-
 /// Forecast of one term.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TermForecast {
@@ -129,7 +122,17 @@ pub(super) struct Own<'a> {
     largest_um: Option<f64>,
 }
 
-impl Own<'_> {
+impl<'a> Own<'a> {
+    /// Judged by itself.
+    pub(super) fn alone(self) -> Judged<'a> {
+        Judged { of: self.of, each: vec![self], largest_um: self.largest_um }
+    }
+
+    /// Whether anything is known of what it is at most.
+    fn is_bounded(&self) -> bool {
+        self.change.u_um.is_some() || self.doubtful_um > 0.0
+    }
+
     /// max − min of a diagonal as one figure, the difference of two values, with what is doubtful.
     fn difference(&self) -> Magnitude {
         let um = self.change.after_um + self.doubtful_um;
@@ -160,12 +163,6 @@ impl Judged<'_> {
     /// The largest figure that is left, µm.
     pub(super) fn left_um(&self) -> f64 {
         self.each.iter().map(|own| own.change.after_um).fold(0.0, larger)
-    }
-}
-
-impl<'a> From<Own<'a>> for Judged<'a> {
-    fn from(own: Own<'a>) -> Judged<'a> {
-        Judged { of: own.of, each: vec![own], largest_um: own.largest_um }
     }
 }
 
@@ -307,12 +304,8 @@ impl Forecast {
         let worsened = |(what, change): (String, Change)| {
             let (before_um, after_um) = (change.before_um, change.after_um);
             let larger = |um: f64| um > before_um + SHOWN_UM;
-            let found = InForecast::Worsened {
-                what,
-                before_um,
-                after_um,
-                by_steps: !larger(change.comparable_um),
-            };
+            let by_steps = !larger(change.comparable_um);
+            let found = InForecast::Worsened { what, before_um, after_um, by_steps };
             larger(after_um).then(|| found.into())
         };
         terms.chain(diagonals).filter_map(worsened).collect()
@@ -390,7 +383,7 @@ impl Forecast {
     ///
     /// formula  forecast: largest + U; measured: each by itself; what is drawn together instead where it is known
     pub(super) fn at_most_um(&self, all: &Judged<'_>) -> Option<f64> {
-        let stated = all.each.iter().any(|own| own.change.is_bounded(own.doubtful_um));
+        let stated = all.each.iter().any(Own::is_bounded);
         stated.then(|| self.bound_um(&all.shifted(1.0), all.largest_um))
     }
 
@@ -406,10 +399,9 @@ impl Forecast {
         self.basis = basis;
         let bound = |own: &Own<'_>| match (own.of, basis) {
             (Of::Diagonal(_), Basis::Measured) => {
-                let is_bounded = own.change.is_bounded(own.doubtful_um);
-                is_bounded.then(|| self.bound_um(&[own.difference()], own.largest_um))
+                own.is_bounded().then(|| self.bound_um(&[own.difference()], own.largest_um))
             }
-            _ => self.at_most_um(&Judged::from(*own)),
+            _ => self.at_most_um(&own.alone()),
         };
         let [terms, diagonals] = [self.all_terms(), self.all_diagonals()]
             .map(|all| all.each.iter().map(bound).collect::<Vec<_>>());

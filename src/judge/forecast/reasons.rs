@@ -132,7 +132,7 @@ impl Forecast {
         };
         let one = |own: &Own<'_>| {
             let Change { after_um, at_most_um, .. } = own.change;
-            Some(figure(own.of, after_um, at_most_um, missed(&Judged::from(*own))?))
+            Some(figure(own.of, after_um, at_most_um, missed(&own.alone())?))
         };
         let singly: Vec<Miss> = all.each.iter().filter_map(one).collect();
         if !singly.is_empty() {
@@ -190,11 +190,10 @@ impl Forecast {
 
 /// Which errors a verdict speaks of.
 pub(crate) fn terms_words(terms: &[ErrorTerm]) -> String {
-    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
-    match names.as_slice() {
+    match terms {
         [] => "every term".to_string(),
-        [one] => one.clone(),
-        few if few.len() <= FEW => format!("each of {}", few.join(", ")),
+        [one] => one.to_string(),
+        few if few.len() <= FEW => format!("each of {}", joined(few)),
         all if all.len() == ErrorTerm::ALL.len() => "every term".to_string(),
         some => format!("each of the {} measured terms", some.len()),
     }
@@ -252,8 +251,8 @@ impl fmt::Display for RestsOn {
                 write!(out, "U{} is not stated and counted as 0", of(terms))
             }
             RestsOn::Neglected(causes) => {
-                let words: Vec<&str> = causes.iter().map(|cause| words(*cause)).collect();
-                write!(out, "{} neglected by decision", words.join(", "))
+                let causes = joined(causes.iter().map(|cause| words(*cause)));
+                write!(out, "{causes} neglected by decision")
             }
             RestsOn::Unused(keys) => write!(
                 out,

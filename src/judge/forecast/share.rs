@@ -1,7 +1,7 @@
 //! The machine that a verdict is passed on; over which part of each axis, and how much of it was measured.
 
 use crate::inputs::job::Job;
-use crate::machine::model::ErrorModel;
+use crate::machine::model::{ErrorModel, Range, within};
 use crate::quantity::{
     Axis, Direction, ErrorCurve, ErrorTerm, Figure, Millimetres, PerAxis, USUAL_MM, larger, pitch,
 };
@@ -16,9 +16,6 @@ const WIDEST_GAP: f64 = 0.5;
 const ROUNDING: f64 = 1.0 + 1e-6;
 /// From here on a share is called the whole.
 const WHOLE: f64 = 0.995;
-
-/// From where to where.
-pub(super) type Range = (Millimetres, Millimetres);
 
 /// The part of an axis that is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,8 +39,7 @@ pub struct JudgedRange {
 /// The judged range of every axis along which a term was measured.
 pub(crate) fn judged_ranges(job: &Job, model: &ErrorModel) -> Vec<JudgedRange> {
     let along = |axis: &Axis| model.measured().any(|(term, _)| term.along == *axis);
-    let axes = Axis::ALL.into_iter().filter(along);
-    let ranges = axes.filter_map(|axis| {
+    let ranges = Axis::ALL.into_iter().filter(along).filter_map(|axis| {
         let own = model.measured().filter(|(term, _)| term.along == axis);
         let curves = own.flat_map(|(_, measured)| measured.curves());
         let each = curves.filter_map(|curve| range_of(job, axis, curve.knots()));
@@ -122,8 +118,7 @@ pub(super) fn hidden_pitches(ranges: &[JudgedRange]) -> String {
         let axes: Vec<Axis> = alike.iter().map(|range| range.axis).collect();
         (!hidden.is_empty()).then(|| format!("{hidden} mm ({})", Axis::letters(&axes)))
     };
-    let alike = ranges.chunk_by(|a, b| a.unseen == b.unseen);
-    alike.filter_map(of).collect::<Vec<String>>().join("; ")
+    ranges.chunk_by(|a, b| a.unseen == b.unseen).filter_map(of).collect::<Vec<String>>().join("; ")
 }
 
 /// Largest distance of two neighbouring places on any axis, mm.
@@ -193,10 +188,4 @@ impl<'a> Machine<'a> {
         let of = |model: &'a ErrorModel| model.terms[term].as_ref()?.measured.curve(direction);
         Some((of(self.as_measured)?, of(self.uncompensated)?))
     }
-}
-
-/// What two ranges have in common; the first where there is no second.
-pub(super) fn within((from, to): Range, other: Option<Range>) -> Range {
-    let (low, high) = other.unwrap_or((from, to));
-    (if low > from { low } else { from }, if high < to { high } else { to })
 }

@@ -85,8 +85,7 @@ pub(super) fn beside(
         let foreign =
             foreign.map(|MachineDatum { variable, value }| format!("{variable} = {value}"));
         let data: Vec<String> = foreign.collect();
-        let file = file.path.clone();
-        (!data.is_empty()).then(|| Difference::SetsMore { file, data }.into())
+        (!data.is_empty()).then(|| Difference::SetsMore { file: file.path.clone(), data }.into())
     });
     let (mut found, mut absent): (Vec<Finding>, _) = (foreign.collect(), Vec::new());
     for (role, does, value, not) in TASKS {
@@ -116,8 +115,7 @@ fn wrong(task: &'static str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<Dif
         let stands = format!("{set}, expected {}", own.expected);
         (!is_right).then(|| (stands, format!("{} ({})", own.of, own.datum.0)))
     }));
-    let not_set = |(stands, data)| Difference::NotSet { task, data, stands };
-    groups.into_iter().map(not_set).collect()
+    groups.into_iter().map(|(stands, data)| Difference::NotSet { task, data, stands }).collect()
 }
 
 // Machine and setting data of the compensation: number and name of each, and which of them switch a table.
@@ -203,12 +201,9 @@ pub(super) fn cec_limits(
         let sum = tables.largest_cec_sum(&axis);
         let limit = held.number(CEC_LIMIT, &axis);
         if let Some(limit) = limit.filter(|limit| *limit < sum - LAST_DIGIT / 2.0) {
-            findings.push(InControl::CutOff {
-                axis: axis.clone(),
-                limit,
-                sum: (sum / LAST_DIGIT).round() * LAST_DIGIT,
-                unit: unit.word(),
-            });
+            let sum = (sum / LAST_DIGIT).round() * LAST_DIGIT;
+            let (axis, unit) = (axis.clone(), unit.word());
+            findings.push(InControl::CutOff { axis, limit, sum, unit });
         }
         let metric = held.number(CEC_UNIT, &axis);
         let converts = held.number(UNIT_CHANGES, "");

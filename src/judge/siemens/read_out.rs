@@ -23,12 +23,10 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
     let all = merge(contents(texts, reads_programs, reading)?)?;
     reading.active.findings.extend(all.notes.iter().cloned());
     if !all.unwritten.is_empty() {
-        let parameters = all.unwritten.clone();
-        reading.tell(InControl::NotWritten { parameters });
+        reading.tell(InControl::NotWritten { parameters: all.unwritten.clone() });
     }
     if !all.idle.is_empty() {
-        let tables = all.idle.clone();
-        reading.tell(InControl::Idle { tables });
+        reading.tell(InControl::Idle { tables: all.idle.clone() });
     }
     let mut sorted = Sorted { reading, all };
     let twice = std::mem::take(&mut sorted.all.twice);
@@ -58,11 +56,8 @@ fn contents(
     for ((name, _), told) in texts.iter().zip(&all) {
         tell_units(reading, name, &told.units);
         passed_over.push((*name, told.passed_over, "other machine data"));
-        passed_over.push((
-            *name,
-            told.tables.reserved.len() - told.idle.len(),
-            "reserved tables without a grid",
-        ));
+        let reserved = told.tables.reserved.len() - told.idle.len();
+        passed_over.push((*name, reserved, "reserved tables without a grid"));
     }
     passed_over.sort_by_key(|(file, ..)| *file);
     for (file, count, what) in passed_over.into_iter().filter(|(_, count, _)| *count > 0) {
@@ -75,15 +70,12 @@ fn contents(
 fn tell_units(reading: &mut ReadOutReader<'_>, name: &str, units: &[ControlUnit]) {
     let own = reading.job.compensation.control_unit;
     for unit in units.iter().filter(|unit| **unit != own) {
-        reading.tell(InControl::FileUnit {
-            file: name.to_string(),
-            unit: unit.word(),
-            word: match unit {
-                ControlUnit::Millimetre => "METRIC",
-                ControlUnit::Inch => "INCH",
-            },
-            own: own.word(),
-        });
+        let word = match unit {
+            ControlUnit::Millimetre => "METRIC",
+            ControlUnit::Inch => "INCH",
+        };
+        let (file, unit, own) = (name.to_string(), unit.word(), own.word());
+        reading.tell(InControl::FileUnit { file, unit, word, own });
     }
 }
 
@@ -103,8 +95,7 @@ impl Sorted<'_, '_> {
             many => many.to_string(),
         };
         let has_tables = !self.all.tables.tables.is_empty();
-        let judges = self.reading.judges();
-        self.reading.tell(match (judges, are_read) {
+        self.reading.tell(match (self.reading.judges(), are_read) {
             (true, true) => InControl::ProgramsOnly { names },
             (false, true) => InControl::ProgramsCount { names },
             (false, false) if self.all.programs_write_tables && !has_tables => {
@@ -150,8 +141,7 @@ impl Sorted<'_, '_> {
 
     /// The measuring system that the job states for an axis, from 0.
     pub(super) fn stated_encoder(&self, axis: Axis) -> Option<u32> {
-        let settings = self.reading.job.compensation.axes[axis].as_ref();
-        settings?.measuring_system.map(|system| system - 1)
+        self.reading.job.compensation.axes[axis].as_ref()?.measuring_system.map(|system| system - 1)
     }
 
     fn encoder(&self, axis: Axis) -> u32 {
@@ -201,11 +191,9 @@ impl Sorted<'_, '_> {
         self.is_above_zero(datum, index).unwrap_or_else(|| {
             let what = numbered(datum, index);
             if !self.reading.active.assumptions.iter().any(|a| a.fact == what) {
-                self.reading.active.assumptions.push(Assumption::of_job(
-                    what,
-                    "1 while measuring",
-                    "no file holds it; a table that was off would be added to the new one",
-                ));
+                let wrong = "no file holds it; a table that was off would be added to the new one";
+                let on = Assumption::of_job(what, "1 while measuring", wrong);
+                self.reading.active.assumptions.push(on);
             }
             true
         })
@@ -238,8 +226,7 @@ impl Sorted<'_, '_> {
     /// A table of the measuring system that the job does not name.
     fn other_system(&self, place: &Place, encoder: u32, axis: Axis) -> InControl {
         let is_off = self.is_above_zero(LEC_ON, &place.index()) == Some(false);
-        let mut places = self.all.tables.lec().map(|table| &table.place);
-        let has_twin = places.any(|other| {
+        let has_twin = self.all.tables.lec().map(|table| &table.place).any(|other| {
             other != place && other.lec().map(|of| of.0) == place.lec().map(|of| of.0)
         });
         let (is_stated, judges) = (self.stated_encoder(axis).is_some(), self.reading.judges());
@@ -269,13 +256,10 @@ impl Sorted<'_, '_> {
         let place =
             format!("${} behind {from} {word}, where MAX lies between two points", table.place);
         let other = format!("the control goes on towards point {}", point + 1);
-        let assumption = Assumption::of_job(
-            &place,
-            format!("the value of point {point} held"),
-            format!("the old correction there differs {by} if {other}"),
-        );
-        let told = InControl::OpenEnd { place, point, other, by };
-        self.reading.take(assumption, told);
+        let held = format!("the value of point {point} held");
+        let wrong = format!("the old correction there differs {by} if {other}");
+        let assumption = Assumption::of_job(&place, held, wrong);
+        self.reading.take(assumption, InControl::OpenEnd { place, point, other, by });
     }
 
     /// Whether all switches of a table stand at 1.
@@ -344,22 +328,17 @@ impl Sorted<'_, '_> {
         let index = format!("{},{}", self.encoder(axis), name.to_uppercase());
         Some(self.value(BACKLASH, &index)? * in_um)
     }
-}
 
-// Tables that are switched on, or of which nothing is said, and that no file of a read-out holds.
+    // Tables that are switched on, or of which nothing is said, and that no file of a read-out holds.
 
-impl Sorted<'_, '_> {
     /// Tables that are switched on and in no file of the read-out, so that what they do is not known.
     pub(super) fn tell_what_was_not_read_out(&mut self) {
         let absent = [self.lec_not_read_out(), self.cec_not_read_out()];
         absent.into_iter().flatten().for_each(|told| self.reading.tell(told));
         for what in self.untold() {
-            let assumption = Assumption::of_job(
-                &what,
-                "none while measuring",
-                "no file holds such a table or its switches; an old table would be lost with the new ones",
-            );
-            self.reading.take(assumption, InControl::Untold { what });
+            let wrong = "no file holds such a table or its switches; an old table would be lost with the new ones";
+            let none = Assumption::of_job(&what, "none while measuring", wrong);
+            self.reading.take(none, InControl::Untold { what });
         }
     }
 

@@ -61,8 +61,7 @@ impl Measured {
 
     /// The curve that holds while the axis moves in `direction`, if that direction was measured.
     pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
-        let mut ways = self.ways();
-        ways.find_map(|(way, curve)| way.is_none_or(|way| way == direction).then_some(curve))
+        self.ways().find_map(|(way, curve)| way.is_none_or(|way| way == direction).then_some(curve))
     }
 
     /// Whether the two directions were measured apart.
@@ -71,13 +70,18 @@ impl Measured {
     }
 }
 
-pub(super) fn measured_range(series: &[Series]) -> Option<(Millimetres, Millimetres)> {
+/// Lowest and highest position.
+pub(crate) type Range = (Millimetres, Millimetres);
+
+/// What two ranges have in common; the first where there is no second.
+pub(crate) fn within((from, to): Range, other: Option<Range>) -> Range {
+    let (low, high) = other.unwrap_or((from, to));
+    (if low > from { low } else { from }, if high < to { high } else { to })
+}
+
+pub(super) fn measured_range(series: &[Series]) -> Option<Range> {
     let ends = |s: &Series| Some((*s.positions.first()?, *s.positions.last()?));
-    series.iter().filter_map(ends).reduce(|a, b| {
-        let low = if a.0 > b.0 { a.0 } else { b.0 };
-        let high = if a.1 < b.1 { a.1 } else { b.1 };
-        (low, high)
-    })
+    series.iter().filter_map(ends).reduce(|a, b| within(a, Some(b)))
 }
 
 /// Problems: places outside the travel, directions that do not overlap, angles that were not measured where they are
@@ -196,17 +200,13 @@ pub(in crate::machine) fn check_zeros(job: &Job, table: &ErrorTable, problems: &
         let ends = series.filter_map(|s| s.positions.first().zip(s.positions.last()));
         let outside = ends.into_iter().find(|(low, high)| place < **low || place > **high);
         if let Some((low, high)) = outside {
+            let [place, low, high] = [place, *low, *high].map(Millimetres::mm);
             let key = format!("measurement.angles_zero_mm.{}", axis.key());
             let words = format!(
-                "the angles of {axis} are to be zero at {} mm, but they were measured from {} to {} mm only",
-                place.mm(),
-                low.mm(),
-                high.mm()
+                "the angles of {axis} are to be zero at {place} mm, but they were measured from {low} to {high} mm only"
             );
-            problems.push(
-                job.problem_at(&key, words)
-                    .help("give a place where they were measured (`angles_zero_mm`; without it `offsets_mm`): nothing is extrapolated"),
-            );
+            let help = "give a place where they were measured (`angles_zero_mm`; without it `offsets_mm`): nothing is extrapolated";
+            problems.push(job.problem_at(&key, words).help(help));
         }
     }
 }

@@ -134,8 +134,7 @@ pub type LinearReversals = PerAxis<Option<Vec<Estimate>>>;
 /// B where an axis was measured in both directions.
 fn reversal(ways: &[Way]) -> Option<Vec<Estimate>> {
     let [plus, minus] = Direction::BOTH.map(|own| ways.iter().find(|(way, _)| *way == Some(own)));
-    let pairs = plus?.1.iter().zip(&minus?.1);
-    Some(pairs.map(|(plus, minus)| plus.less(*minus)).collect())
+    Some(plus?.1.iter().zip(&minus?.1).map(|(plus, minus)| plus.less(*minus)).collect())
 }
 
 /// The slope of a linear axis, and the directions in which its table gives it.

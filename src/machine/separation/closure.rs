@@ -105,11 +105,10 @@ impl Closure {
     /// What it says against the nine errors; `perfect`: the noise, where the set-up is assumed perfect.
     pub(super) fn doubts(&self, volume: &Volume, perfect: Option<Noise>) -> Vec<Finding> {
         // How far a disturbed reading moves the curves: one increment too long, the next too short.
-        let gain = Axis::ALL.map(|of| noise_gain(volume, of) / 2.0);
-        let gain = gain.into_iter().fold(0.0, f64::max);
-        let named = self.outliers.iter().take(NAMED).map(|outlier| {
-            let um = gain * outlier.of_mean_um.abs();
-            Found::Disturbed { um, which: outlier.words() }
+        let gain = Axis::ALL.map(|of| noise_gain(volume, of) / 2.0).into_iter().fold(0.0, f64::max);
+        let named = self.outliers.iter().take(NAMED).map(|outlier| Found::Disturbed {
+            um: gain * outlier.of_mean_um.abs(),
+            which: outlier.words(),
         });
         let more = self.outliers.len().saturating_sub(NAMED);
         let more = (more > 0).then_some(Found::MoreDisturbed { more });
@@ -257,8 +256,7 @@ impl Patterns {
         }
         let ends = effects.iter().filter_map(|effect| effect.first().zip(effect.last()));
         let reach = ends.map(|((first, _), (last, _))| last - first).max().unwrap_or(0);
-        let weighed = effects.iter().zip(&start.counts);
-        let products = weighed.flat_map(|(effect, count)| {
+        let products = effects.iter().zip(&start.counts).flat_map(|(effect, count)| {
             let row = effect.iter().flat_map(|one| effect.iter().map(move |other| (*one, *other)));
             row.map(move |((row, a), (column, b))| (row, column, a * b * (1.0 / count)))
         });

@@ -84,8 +84,7 @@ fn rotation(
     direction: Direction,
 ) -> PerAxis<f64> {
     let all = table.series(axis);
-    let directed = all.iter().find(|s| s.direction == Some(direction));
-    let series = directed.or_else(|| all.first());
+    let series = all.iter().find(|s| s.direction == Some(direction)).or_else(|| all.first());
     PerAxis::from_fn(|about| {
         let urad =
             |s: &Series, place| Some(at(&s.positions, s.values.get(&Kind::Angle(about))?, place));
@@ -183,8 +182,7 @@ impl AngleEffects {
 
     /// Effects on a pass, µm by node; `None` where no angle was measured.
     pub fn of(&self, diagonal: Diagonal, pass: Pass) -> Option<&[f64]> {
-        let both = &self.by_pass.as_ref()?[diagonal];
-        Some(&both[usize::from(pass == Pass::Reverse)])
+        Some(&self.by_pass.as_ref()?[diagonal][pass as usize])
     }
 }
 
@@ -217,12 +215,9 @@ impl AngleEvidence {
     }
 
     /// What was not measured, what counts of it, and what the levers were taken for.
-    pub(super) fn labels(&self, angle_urad: Option<f64>) -> [Option<SeparationFinding>; 3] {
-        let missing = SeparationFinding::AnglesMissing {
-            names: joined(&self.missing),
-            urad: angle_urad,
-            chain_is_stated: self.order.is_some(),
-        };
+    pub(super) fn labels(&self, urad: Option<f64>) -> [Option<SeparationFinding>; 3] {
+        let (names, chain_is_stated) = (joined(&self.missing), self.order.is_some());
+        let missing = SeparationFinding::AnglesMissing { names, urad, chain_is_stated };
         let without_u = self.missing.len() + self.uncertain.len() < 9;
         let lines = SeparationFinding::OnLines { lines: self.origin, without_u };
         let tool = SeparationFinding::ToolAssumed { far_um: 0.1 * self.largest_urad };

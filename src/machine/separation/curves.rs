@@ -22,8 +22,7 @@ pub(super) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
 pub(super) fn at(positions: &[Millimetres], values: &[f64], position: f64) -> f64 {
     let after = positions.partition_point(|known| known.mm() <= position);
     let pair = |index: usize| Some((positions.get(index)?.mm(), *values.get(index)?));
-    let before = after.checked_sub(1).and_then(pair);
-    match (before, pair(after)) {
+    match (after.checked_sub(1).and_then(pair), pair(after)) {
         (Some((low, a)), Some((high, b))) => a + (b - a) * (position - low) / (high - low),
         (Some((_, value)), None) | (None, Some((_, value))) => value,
         (None, None) => 0.0,

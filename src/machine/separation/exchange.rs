@@ -77,8 +77,7 @@ impl Naming {
 
     /// What happened, if these names are right; `recorded`: the order of the steps in the job.
     fn words(&self, recorded: [Axis; 3]) -> String {
-        let moved = self.moved();
-        let (names, walked): (Vec<_>, Vec<_>) = moved.into_iter().unzip();
+        let (names, walked): (Vec<_>, Vec<_>) = self.moved().into_iter().unzip();
         let exchanged = match walked.as_slice() {
             [other, one] => format!("the readings of {one} and {other} were exchanged"),
             _ => {

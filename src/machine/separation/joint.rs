@@ -60,7 +60,7 @@ pub(super) struct Table<'a> {
 /// How many times causes act.
 type Acting = Vec<(usize, Lanes)>;
 
-impl Table<'_> {
+impl<'a> Table<'a> {
     /// Says of a table how far its errors may lie off, with 95 %, and what may falsify them; nothing of the former where
     /// an uncertainty is not known.
     pub(super) fn remarks(&self, job: &Job, said: Remarks) -> Remarks {
@@ -169,9 +169,7 @@ impl Table<'_> {
         let all = each.fold(Sizes::default(), |all, own| all.joined(&own, |all, own| all + own));
         (all.all_um().max(all.ranges_um()) > 0.0).then_some(all)
     }
-}
 
-impl<'a> Table<'a> {
     pub(super) fn new(of: &'a Separation, job: &Job) -> Table<'a> {
         let directions = directions(of, job);
         let (mut curves, mut all_rows, mut um) = (Vec::new(), Vec::new(), Vec::new());

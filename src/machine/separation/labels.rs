@@ -65,7 +65,7 @@ fn common(start: &Start<'_>) -> impl Iterator<Item = Found> {
         let (a, b) = plane.axes();
         volume.diagonal_mm().squared() / (2.0 * volume.size[a].mm() * volume.size[b].mm())
     };
-    let each = by_plane(|plane| format!("{} {:.2}", plane.key(), each(plane)));
+    let each = joined(Plane::ALL.map(|plane| format!("{} {:.2}", plane.key(), each(plane))));
     let states_u =
         |wanted: bool| campaign.lines.iter().any(|line| line.u_um_per_m.is_some() == wanted);
     let linear = measurement.linear.iter();
@@ -97,10 +97,6 @@ fn common(start: &Start<'_>) -> impl Iterator<Item = Found> {
     of_readings.into_iter().chain(of_angles).chain(of_lines).flatten()
 }
 
-fn by_plane(words: impl Fn(Plane) -> String) -> String {
-    joined(Plane::ALL.map(words))
-}
-
 /// Where the reversals of single axes come from and what they leave open; `None` without any.
 pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Found> {
     let known = |(axis, reversal): (Axis, &Option<Vec<Estimate>>)| {
@@ -115,7 +111,8 @@ impl Solved<'_> {
     /// What the slopes rest on.
     pub(super) fn labels(&self, is_checked: bool) -> impl Iterator<Item = Found> {
         let squareness = |of: &dyn Fn(Plane) -> f64| {
-            by_plane(|p| format!("{} {:.3}", p.key().to_uppercase(), rounded(of(p), 3)))
+            let by = |p: Plane| format!("{} {:.3}", p.key().to_uppercase(), rounded(of(p), 3));
+            joined(Plane::ALL.map(by))
         };
         let leak = |plane: Plane| 10.0 * self.metric.leak.of(plane);
         let totals = self.metric.squareness_um_per_m();
@@ -129,7 +126,7 @@ impl Solved<'_> {
                 totals: squareness(&|plane| totals.of(plane).unwrap_or(0.0)),
             }),
             (solves && !is_complete).then(|| Found::Leak {
-                by_plane: by_plane(|p| format!("{} {:.3}", p.key(), leak(p))),
+                by_plane: joined(Plane::ALL.map(|p| format!("{} {:.3}", p.key(), leak(p)))),
             }),
             (solves && is_complete && !is_checked).then_some(Found::Unchecked),
             (solves && as_measured).then_some(Found::RotationOfCrossTerms),
@@ -143,8 +140,7 @@ impl Solved<'_> {
             SetUp::Solve => self.metric.undetermined(),
             SetUp::AssumePerfect => Vec::new(),
         };
-        let axes = Axis::ALL.into_iter().filter(|axis| known[*axis].is_none());
-        let axes: Vec<Axis> = axes.collect();
+        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| known[*axis].is_none()).collect();
         if self.start.both_ways() && !from_turn && !axes.is_empty() {
             let of = if axes.len() == 3 { "each axis".to_string() } else { joined(axes) };
             open.push(Found::OpenReversal { of }.into());

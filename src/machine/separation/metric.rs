@@ -267,8 +267,7 @@ impl Equations {
         // rank.
         let nominal = self.solved(|one| one.nominal, |one| one.own);
         let is_known = |unknown: usize| {
-            let mut weighed = (0..self.all.len()).filter(|at| !self.all[*at].known);
-            weighed.all(|at| {
+            (0..self.all.len()).filter(|at| !self.all[*at].known).all(|at| {
                 let share = nominal.as_ref().map(|found| found.gain[(unknown, at)].abs());
                 share.is_some_and(|share| share <= SHARE_TOLERANCE)
             })

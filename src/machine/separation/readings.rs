@@ -104,8 +104,7 @@ pub fn figures(runs: &[Run], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f
             range_um: range(on_diagonal(d).copied()),
         }
     });
-    let all = Diagonal::ALL.into_iter().flat_map(on_diagonal);
-    (figures, range(all.copied()))
+    (figures, range(Diagonal::ALL.into_iter().flat_map(on_diagonal).copied()))
 }
 
 /// Standard deviation of rounding to 0.01 µm, the last digit of an instrument, µm: no reading is
@@ -185,11 +184,8 @@ impl Noise {
 
     /// σ of a sum of squares of readings of 1 µm; `None` without degrees of freedom.
     pub(super) fn of_scatter(square: f64, freedom: usize, source: NoiseSource) -> Option<Noise> {
-        (freedom > 0).then(|| Noise {
-            sigma_um: (square / float(freedom)).sqrt(),
-            freedom: Some(freedom),
-            source,
-        })
+        let sigma_um = (square / float(freedom)).sqrt();
+        (freedom > 0).then_some(Noise { sigma_um, freedom: Some(freedom), source })
     }
 }
 
@@ -276,11 +272,8 @@ impl Outlier {
             true => format!("{:.1}", self.ratio),
             false => format!("more than {LARGEST_RATIO}"),
         };
-        format!(
-            "{}: {:+.3} µm, {ratio} standard deviations",
-            places.join(" or "),
-            Figure(self.size_um),
-        )
+        let (places, um) = (places.join(" or "), Figure(self.size_um));
+        format!("{places}: {um:+.3} µm, {ratio} standard deviations")
     }
 }
 
@@ -363,8 +356,7 @@ impl RepeatedPass<'_> {
         };
         let other = (self.runs.len() == 2).then(|| self.runs[1 - run]);
         let readings = std::iter::once(self.runs[run]).chain(other).map(place).collect();
-        let of_mean_um = size_um / float(self.runs.len());
-        Outlier { readings, size_um, ratio, of_mean_um }
+        Outlier { readings, size_um, ratio, of_mean_um: size_um / float(self.runs.len()) }
     }
 }
 

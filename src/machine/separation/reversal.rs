@@ -176,8 +176,7 @@ impl Solved<'_> {
         let start = &self.start;
         let [gain, _] = solution(&design, covariance)?;
         let end = |term: ErrorTerm, end| {
-            let of = gain.row(at(term.along, term.of, end));
-            Row::sum(of.iter().copied().zip(&rows)).merged()
+            Row::sum(gain.row(at(term.along, term.of, end)).iter().copied().zip(&rows)).merged()
         };
         let estimate = |row: &Row| Estimate {
             um: row.dot(&self.start.z),

@@ -161,8 +161,7 @@ impl<'a> Solved<'a> {
                 Some(self.evidence(term, rows, *is_known))
             })
         };
-        let is_apart = apart.iter().any(|(_, b)| b.is_some());
-        let directed = is_apart.then(|| [1.0, -1.0].map(directed));
+        let directed = apart.iter().any(|(_, b)| b.is_some()).then(|| [1.0, -1.0].map(directed));
         NineErrors { mean: PerTerm::from_fn(mean), directed }
     }
 
@@ -188,8 +187,7 @@ impl<'a> Solved<'a> {
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
         let slope = |of: Axis, along: Axis| {
-            let found = self.metric.of(ErrorTerm { of, along }).um_per_m;
-            found.filter(|_| of <= along).unwrap_or(0.0)
+            self.metric.of(ErrorTerm { of, along }).um_per_m.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {
             let u = self.start.volume().laser(diagonal);
@@ -224,8 +222,7 @@ fn shapes_in(volume: &Volume, steps: &PerTerm<Arc<[Row]>>, line: &MeasuredLine) 
     let Some([from, to]) = line.ends else {
         return Row::default();
     };
-    let way = PerAxis::from_fn(|axis| (to[axis] - from[axis]).mm());
-    let per_m = 1000.0 / way.length();
+    let per_m = 1000.0 / PerAxis::from_fn(|axis| (to[axis] - from[axis]).mm()).length();
     let mut all = Row::default();
     for term in ErrorTerm::ALL {
         let (length, n) = (volume.size[term.along].mm(), volume.steps_f64());
@@ -254,8 +251,7 @@ pub struct SeparatedError {
 impl SeparatedError {
     /// Standard uncertainties (k = 1) against the first position, µm; `None` = not known.
     pub fn u_um(&self) -> Option<Vec<f64>> {
-        let points = self.u.as_ref()?.iter();
-        Some(points.map(|point| point.u).collect())
+        Some(self.u.as_ref()?.iter().map(|point| point.u).collect())
     }
 
     /// U of a point, µm: its uncertainty with the coverage factor of its degrees of freedom.
@@ -282,8 +278,7 @@ impl NineErrors {
     /// φ of least squares lines through the separated curves, µm/m.
     pub fn least_squares_squareness(&self, volume: &Volume) -> PerPlane<Option<f64>> {
         let slope = |term: ErrorTerm| {
-            let positions = volume.positions(term.along);
-            let positions: Vec<f64> = positions.iter().map(|p| p.mm()).collect();
+            let positions: Vec<f64> = volume.positions(term.along).iter().map(|p| p.mm()).collect();
             let curve = &self.mean[term].as_ref()?.deviation_um;
             Some(ReferenceLine::LeastSquares.slope_um_per_m(&positions, curve))
         };

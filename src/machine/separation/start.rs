@@ -111,8 +111,7 @@ impl<'a> Start<'a> {
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
     pub(super) fn zeroed_runs(&self) -> Vec<Run> {
         let is_known = self.campaign.reverse_zero_known;
-        let zeroed = self.runs.iter().filter(|run| is_known || run.pass == Pass::Forward);
-        zeroed.cloned().collect()
+        self.runs.iter().filter(|run| is_known || run.pass == Pass::Forward).cloned().collect()
     }
 
     /// Lets this noise count.
@@ -138,16 +137,12 @@ impl<'a> Start<'a> {
     pub(super) fn turned(&self) -> bool {
         self.overrun == Some(false)
     }
-}
 
-/// Formulas (1) to (3) as rows over what was measured. The slopes hold the tilt of the mirror.
-impl Start<'_> {
+    // Formulas (1) to (3) as rows over what was measured. The slopes hold the tilt of the mirror.
+
     /// The groups of readings of one pass, or of both.
     pub(super) fn groups(&self) -> &'static [Group] {
-        match self.both_ways() {
-            true => &[Some(Direction::Plus), Some(Direction::Minus)],
-            false => &[None],
-        }
+        if self.both_ways() { &[Some(Direction::Plus), Some(Direction::Minus)] } else { &[None] }
     }
 
     /// The reading of a pass at the far end of a step less that at the near one.
@@ -229,10 +224,7 @@ fn known_noise(campaign: &Campaign<'_>, repeats: Option<Noise>) -> Option<Noise>
     let measurement = campaign.measurement;
     let of_closure =
         3 * measurement.volume.steps >= ENOUGH + 3 && measurement.kind == PathKind::Step;
-    let stated = stated_um.filter(|_| !of_closure).map(|sigma_um| Noise {
-        sigma_um,
-        freedom: None,
-        source: NoiseSource::Stated,
-    });
+    let (stated, source) = (stated_um.filter(|_| !of_closure), NoiseSource::Stated);
+    let stated = stated.map(|sigma_um| Noise { sigma_um, freedom: None, source });
     repeats.map(|found| found.with_stated(stated_um)).or(stated)
 }

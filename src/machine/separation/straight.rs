@@ -204,11 +204,7 @@ fn predicted(volume: &Volume, table: &ErrorTable, walk: &Walk) -> Result<Vec<Pre
         Some(all)
     };
     let all: Option<Vec<Predicted>> = (0..=volume.steps).map(at_node).collect();
-    all.ok_or_else(|| {
-        Problem::new(
-            "the closure test needs all nine errors; at least one is missing from the table",
-        )
-        .at(table.header.clone())
-        .help("measure it, or leave `closure_errors` out")
-    })
+    let words = "the closure test needs all nine errors; at least one is missing from the table";
+    let problem = || Problem::new(words).at(table.header.clone());
+    all.ok_or_else(|| problem().help("measure it, or leave `closure_errors` out"))
 }

@@ -45,8 +45,7 @@ impl ErrorSource {
                 check_policy(job, separation)?;
                 let text = error_table::write(&draft(separation, job, comments.clone()));
                 let name = format!("nine errors separated from {readings}");
-                let source = Source::from_bytes(&name, text.as_bytes())?;
-                Ok(Cow::Owned(ErrorTable::read(source)?))
+                Ok(Cow::Owned(ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)?))
             }
         }
     }
@@ -94,8 +93,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
 }
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> Series {
-    let positions = separation.volume.positions(axis);
-    let mut series = Series::new(axis, direction, positions);
+    let mut series = Series::new(axis, direction, separation.volume.positions(axis));
     for of in Axis::ALL {
         let found = separation.of_table(ErrorTerm { of, along: axis }, direction);
         let of = Kind::Deviation(of);

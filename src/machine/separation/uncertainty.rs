@@ -114,8 +114,7 @@ fn unmeasured(campaign: &Campaign<'_>, layout: Layout, causes: &mut Vec<Cause>) 
             // What a rotation does hangs on the axes that it swings, not on what moves it.
             let Rotation { about, along } = *rotation;
             let swung = Axis::ALL.map(|axis| axis != about && place(axis) > place(along));
-            let same = known.iter().position(|own| *own == (*rotation, swung));
-            let at = same.unwrap_or_else(|| {
+            let at = known.iter().position(|own| *own == (*rotation, swung)).unwrap_or_else(|| {
                 known.push((*rotation, swung));
                 causes.extend(of_rotation(campaign, layout, *u_urad, *order, *rotation));
                 known.len() - 1
@@ -124,8 +123,7 @@ fn unmeasured(campaign: &Campaign<'_>, layout: Layout, causes: &mut Vec<Cause>) 
         };
         rotations.iter().flat_map(of).collect()
     };
-    let orders = evidence.orders().iter().filter(|_| !rotations.is_empty());
-    orders.map(&mut of_order).collect()
+    evidence.orders().iter().filter(|_| !rotations.is_empty()).map(&mut of_order).collect()
 }
 
 /// What the straight part and the bow of an angle, each of this size at the ends of the box, µrad, do to the readings,

@@ -12,8 +12,7 @@ use serde::Serialize;
 /// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
 pub(crate) fn repeatability_um(runs: &[Run], diagonal: Diagonal, pass: Pass) -> Option<f64> {
     let nodes = by_node(runs, diagonal, pass)?;
-    let places = (0..nodes.len()).map(|node| node as f64);
-    let runs = Runs::new(places.collect(), Some(nodes), None);
+    let runs = Runs::new((0..nodes.len()).map(|node| node as f64).collect(), Some(nodes), None);
     iso_230_2::figures(&runs.ok()?).axis.r.up_um
 }
 
@@ -28,10 +27,8 @@ pub(crate) fn by_standard(
     let of = |d: Diagonal| {
         let nodes = (0..=volume.last_node(kind)).step_by(spacing(kind));
         let targets = nodes.map(|node| volume.nominal_mm(d, kind, node));
-        let [up, down] = Pass::BOTH.map(|pass| {
-            let nodes = by_node(runs, d, pass)?.into_iter();
-            Some(nodes.step_by(spacing(kind)).collect())
-        });
+        let [up, down] = Pass::BOTH
+            .map(|pass| Some(by_node(runs, d, pass)?.into_iter().step_by(spacing(kind)).collect()));
         Ok((d.name(), Runs::new(targets.collect(), up, down)?))
     };
     let runs = Diagonal::ALL.into_iter().map(of).collect::<Result<Vec<_>, Problem>>()?;
@@ -103,8 +100,7 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bo
         let own: Vec<f64> = own.flatten().collect();
         means.extend_from_slice(&own);
         let (targets, runs) = (figures.targets.len(), Counts::of(runs));
-        let found = DiagonalFigures { targets, runs, figures, range_um: range(own) };
-        ((*name).to_string(), found)
+        ((*name).to_string(), DiagonalFigures { targets, runs, figures, range_um: range(own) })
     });
     let figures: Named<String, DiagonalFigures> = figures.collect();
     let complete = diagonals.len() == Diagonal::ALL.len();
@@ -144,13 +140,13 @@ fn conditions(
     });
     let likely = |asked: &str, found: &str, met| Condition::likely(&EDITION, asked, found, met);
     // A condition that every diagonal has to meet; what is said is that of the first that does not.
-    let of_all = |asked: &str, unknown: &str, each: Vec<(&str, Condition)>| {
-        let missed = each.iter().find(|(_, of)| of.met == Met::No);
-        match (missed, each.first()) {
-            (Some((name, of)), _) => likely(asked, &format!("{name}: {}", of.found), Met::No),
-            (None, Some((_, of))) => likely(asked, &of.found, Met::Yes),
-            (None, None) => likely(asked, unknown, Met::NotTested),
-        }
+    let of_all = |asked: &str, unknown: &str, each: Vec<(&str, Condition)>| match (
+        each.iter().find(|(_, of)| of.met == Met::No),
+        each.first(),
+    ) {
+        (Some((name, of)), _) => likely(asked, &format!("{name}: {}", of.found), Met::No),
+        (None, Some((_, of))) => likely(asked, &of.found, Met::Yes),
+        (None, None) => likely(asked, unknown, Met::NotTested),
     };
     let straight = kind == PathKind::Straight;
     let names: Vec<&str> = diagonals.iter().map(|(name, _)| *name).collect();

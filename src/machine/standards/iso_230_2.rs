@@ -158,13 +158,11 @@ fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
     let [s_up, s_down] = [each(|of| of.s.up_um), each(|of| of.s.down_um)];
     let [up, down] = means.clone();
     let r_um = [each(|of| of.r.up_um), each(|of| of.r.down_um)];
+    let r_both_um = each(|of| of.r.both_um);
     AxisFigures {
         a: ranges([bands(up, s_up), bands(down, s_down)]),
         e: ranges(means),
-        r: ByDirection::of(
-            r_um.map(|um| um.and_then(largest)),
-            each(|of| of.r.both_um).and_then(largest),
-        ),
+        r: ByDirection::of(r_um.map(|um| um.and_then(largest)), r_both_um.and_then(largest)),
         m_um: each(|of| of.mean.both_um).and_then(range),
         b_um: each(|of| of.b_um.map(f64::abs)).and_then(largest),
         b_mean_um: each(|of| of.b_um).map(|b| mean(b.into_iter())),
@@ -173,8 +171,7 @@ fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
 
 /// x̄_i − 2 s_i and x̄_i + 2 s_i of every target.
 fn bands(means: Option<Vec<f64>>, s: Option<Vec<f64>>) -> Option<Vec<f64>> {
-    let pairs = means?.into_iter().zip(s?);
-    Some(pairs.flat_map(|(mean, s)| [mean - K * s, mean + K * s]).collect())
+    Some(means?.into_iter().zip(s?).flat_map(|(mean, s)| [mean - K * s, mean + K * s]).collect())
 }
 
 fn ranges(um: [Option<Vec<f64>>; 2]) -> ByDirection {
@@ -321,11 +318,9 @@ fn long(runs: &Runs) -> Vec<Condition> {
 pub(super) fn number_of_targets(runs: &Runs, travel: Travel) -> Condition {
     let asked = (TARGETS_PER_METRE * travel.mm / 1000.0).ceil().max(FEWEST_TARGETS);
     let found = runs.targets_mm().len();
-    likely(
-        format!("up to 2 m: five targets per metre, at least five; here {asked} or more"),
-        format!("{found} targets on {}", travel.words()),
-        Met::of(found as f64 >= asked),
-    )
+    let met = Met::of(found as f64 >= asked);
+    let asked = format!("up to 2 m: five targets per metre, at least five; here {asked} or more");
+    likely(asked, format!("{found} targets on {}", travel.words()), met)
 }
 
 /// Figures of both directions need both.
@@ -338,8 +333,7 @@ pub(super) fn directions(runs: &Runs) -> Condition {
 }
 
 fn distances(runs: &Runs) -> Vec<f64> {
-    let pairs = runs.targets_mm().windows(2);
-    pairs.map(|pair| pair[1] - pair[0]).collect()
+    runs.targets_mm().windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
 fn mean_distance(runs: &Runs) -> f64 {
@@ -355,11 +349,8 @@ fn spread(runs: &Runs, travel: Travel) -> Condition {
     if travel.stated {
         found += &format!(", {beyond:.1} mm of travel beyond the targets");
     }
-    likely(
-        "targets spread over the travel: nowhere more than two mean distances without one",
-        found,
-        Met::of(largest.max(beyond) <= LARGEST_GAP * mean),
-    )
+    let asked = "targets spread over the travel: nowhere more than two mean distances without one";
+    likely(asked, found, Met::of(largest.max(beyond) <= LARGEST_GAP * mean))
 }
 
 /// `5 runs up, 5 down`.
@@ -385,10 +376,7 @@ pub fn remarks(runs: &Runs, travel: Travel) -> Vec<Finding> {
 }
 
 const fn way(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Plus => "up",
-        Direction::Minus => "down",
-    }
+    ["up", "down"][direction as usize]
 }
 
 /// How the figures are labelled: not according to the standard where a condition is not met.

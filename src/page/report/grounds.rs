@@ -8,7 +8,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{JudgedRange, Miss, Of, RestsOn, is_whole_travel, widest_gap_mm};
 use crate::kit::visit_plan::{Measured, Share};
 use crate::machine::separation::Part;
-use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
+use crate::quantity::{Axis, ErrorTerm, Millimetres};
 use crate::text::{escaped, joined};
 
 /// So many of a kind stand on the first page; the parts behind it have all.
@@ -70,11 +70,7 @@ impl Report<'_> {
                 self.fill("between_hidden", [("pitches", hidden.clone())])
             }
             RestsOn::OneWay(way) => {
-                let way = match way {
-                    Direction::Plus => "+",
-                    Direction::Minus => "\u{2212}",
-                };
-                self.fill("one_way", [("way", way.to_string())])
+                self.fill("one_way", [("way", way.symbol().replace('-', "\u{2212}"))])
             }
             RestsOn::ReversalNotCounted => self.t("reversal_not_counted"),
             RestsOn::NoReversal(terms) if terms.is_empty() => self.t("no_reversal"),
@@ -130,8 +126,7 @@ impl Report<'_> {
         let misses = self.misses();
         let more = misses.len().saturating_sub(MOST);
         let more = (more > 0).then(|| {
-            let facts = [("count", more.to_string()), ("part", self.link("reasons"))];
-            self.fill("more", facts)
+            self.fill("more", [("count", more.to_string()), ("part", self.link("reasons"))])
         });
         let misses = misses.into_iter().take(MOST).chain(more);
         let differences = self.said("files_differ", &visit.disagreements);
@@ -207,16 +202,9 @@ impl Report<'_> {
         }
         let facts = [("count", sentences.len().to_string()), ("part", self.link("findings"))];
         let line = self.fill(key, facts);
-        match self.is_own_language() {
-            false => vec![line],
-            true => {
-                let shown = sentences.iter().take(MOST).map(|words| escaped(words)).collect();
-                match sentences.len() > MOST {
-                    true => [shown, vec![line]].concat(),
-                    false => shown,
-                }
-            }
-        }
+        let shown = if self.is_own_language() { MOST } else { 0 };
+        let line = (sentences.len() > shown).then_some(line);
+        sentences.iter().take(shown).map(|words| escaped(words)).chain(line).collect()
     }
 
     /// What does not keep a limit, a line each, the worst first.

@@ -110,20 +110,14 @@ impl Report<'_> {
         let curves = Part { pictures: self.curves(!self.visit.is_measured), ..self.part("curves") };
         let drawn = [curves, self.linear(), self.readings()];
         let drawn = drawn.into_iter().filter(|part| !part.pictures.is_empty());
+        let (missing, found) = (self.missing(), self.found());
+        let reasons = Part { items: self.misses(), ..self.part("reasons") };
         let of_tables = match self.is_found() {
-            true => [Vec::new(), vec![self.missing(), self.found()], Vec::new()],
-            false => [
-                vec![self.tables()],
-                vec![self.missing(), self.reasons(), self.found()],
-                vec![self.assumed(), self.undo()],
-            ],
+            true => vec![missing, found],
+            false => vec![self.tables(), missing, reasons, found, self.assumed(), self.undo()],
         };
-        drawn
-            .chain([self.volume()])
-            .chain(of_tables.into_iter().flatten())
-            .chain([self.provenance()])
-            .filter(|part| !part.is_empty())
-            .collect()
+        let all = drawn.chain([self.volume()]).chain(of_tables).chain([self.provenance()]);
+        all.filter(|part| !part.is_empty()).collect()
     }
 
     /// Figures of ISO 230-2, a column for each file of runs.
@@ -151,15 +145,12 @@ impl Report<'_> {
         const OF: &str = "/iso_230_6/diagonals";
         let names = self.keys("standards", OF);
         let at = |name: &str, figure: &str| {
-            let at = format!("{OF}/{name}/{figure}_um");
-            self.figure("standards", &at, Kind::Deviation)
+            self.figure("standards", &format!("{OF}/{name}/{figure}_um"), Kind::Deviation)
         };
         let mut figures = vec!["E", "B", "R", "A", "range"];
         figures.retain(|figure| names.iter().any(|name| at(name, figure) != NONE));
-        let rows = names.iter().map(|name| {
-            let own = figures.iter().map(|figure| at(name, figure));
-            line(escaped(name), own)
-        });
+        let row = |name: &String| line(escaped(name), figures.iter().map(|of| at(name, of)));
+        let rows = names.iter().map(row);
         let shown = figures.iter().map(|figure| self.named(figure, figure));
         let head = line(format!("{}, {}", self.t("diagonal"), self.unit()), shown);
         Part {
@@ -241,11 +232,6 @@ impl Report<'_> {
     /// Whether the directory says what it holds.
     fn is_kit_known(&self) -> bool {
         !self.document("kit").is_null()
-    }
-
-    /// All that does not keep a limit.
-    fn reasons(&self) -> Part {
-        Part { items: self.misses(), ..self.part("reasons") }
     }
 
     fn found(&self) -> Part {

@@ -97,8 +97,7 @@ fn correction(stretches: &[Stretch]) -> ErrorCurve {
         }
         points.push((at, um));
     }
-    let last = stretches.last();
-    points.extend(last.map(|[_, (to, end)]| (raster(*to), end.um())));
+    points.extend(stretches.last().map(|[_, (to, end)]| (raster(*to), end.um())));
     let point = |(mm, um): (f64, f64)| (Millimetres::new(mm), Deviation::from_um(um));
     let (places, values): (Vec<_>, Vec<_>) = points.into_iter().map(point).unzip();
     ErrorCurve::through(&places, &values, Interpolation::Linear)

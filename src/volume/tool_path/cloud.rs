@@ -45,15 +45,10 @@ impl Cloud {
     pub(super) fn take(&mut self, vector: Vector) {
         if self.hull.is_none() && self.vectors.len() < self.most {
             self.vectors.push(vector);
-        } else if !self.is_near_anchor(&vector) {
+        } else if square(&vector, &self.anchor) >= self.depth_square {
+            // not so near to a vector inside the hull that it is inside too
             self.sift(vector);
         }
-    }
-
-    /// Whether it lies so near to a vector inside the hull that it is inside too.
-    #[inline]
-    fn is_near_anchor(&self, vector: &Vector) -> bool {
-        square(vector, &self.anchor) < self.depth_square
     }
 
     /// Keeps a vector only if it lies outside the hull.
@@ -92,8 +87,7 @@ impl Cloud {
         let Some(surplus) = self.vectors.len().checked_sub(self.most / 2 + 1) else {
             return;
         };
-        let distances = self.vectors.iter().map(|vector| hull.distance(vector));
-        let distances: Vec<f64> = distances.collect();
+        let distances: Vec<f64> = self.vectors.iter().map(|vector| hull.distance(vector)).collect();
         let mut sorted = distances.clone();
         let bound = *sorted.select_nth_unstable_by(surplus, f64::total_cmp).1;
         let mut kept = distances.iter().map(|distance| *distance > bound);
@@ -259,11 +253,8 @@ impl Hull {
         let size = dot(&across, &across).sqrt();
         let normal = across.map(|part| part / size);
         let distance = dot(&normal, &a).min(dot(&normal, &b)).min(dot(&normal, &c));
-        (distance > self.start_um / 4.0).then(|| Facet {
-            corners,
-            scaled: normal.map(|part| part / distance),
-            distance,
-        })
+        let scaled = normal.map(|part| part / distance);
+        (distance > self.start_um / 4.0).then_some(Facet { corners, scaled, distance })
     }
 }
 

@@ -96,8 +96,7 @@ fn crossings(coefficients: &[f64]) -> Vec<f64> {
             let mut ends = vec![0.0];
             ends.extend(crossings(&derivative(coefficients)));
             ends.push(1.0);
-            let pairs = ends.windows(2);
-            pairs.filter_map(|pair| crossing(coefficients, pair[0], pair[1])).collect()
+            ends.windows(2).filter_map(|pair| crossing(coefficients, pair[0], pair[1])).collect()
         }
     }
 }

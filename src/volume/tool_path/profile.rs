@@ -232,13 +232,11 @@ impl<'m> Profile<'m> {
         for axis in 0..3 {
             let (from, to) = (stretch.from[axis], stretch.to[axis]);
             let (low, high) = if from < to { (from, to) } else { (to, from) };
-            let hint = self.cell[axis];
-            let piece = self.map.piece(axis, low, hint);
+            let piece = self.map.piece(axis, low, self.cell[axis]);
             if piece == self.map.piece(axis, high, piece) {
                 continue;
             }
-            let nodes = &self.map.nodes(axis)[piece..];
-            let inside = nodes.iter().take_while(|node| **node < high);
+            let inside = self.map.nodes(axis)[piece..].iter().take_while(|node| **node < high);
             self.cuts.extend(inside.map(|node| (node - from) / (to - from)));
         }
         self.cuts.retain(|part| *part > 0.0 && *part < 1.0);

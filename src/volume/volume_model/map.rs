@@ -72,42 +72,7 @@ impl VolumeModel {
         });
         Some(ErrorMap { nodes: nodes.clone(), vectors: GridMap::new(order, &lists)? })
     }
-}
 
-impl ErrorMap {
-    /// The vectors without their places.
-    pub fn vectors(&self) -> &GridMap {
-        &self.vectors
-    }
-
-    /// The nodes.
-    pub(crate) fn nodes(&self) -> &Nodes {
-        &self.nodes
-    }
-
-    /// Every node with its error vector, µm, in the order of the vectors.
-    pub fn points(&self) -> impl Iterator<Item = (PerAxis<f64>, PerAxis<f64>)> {
-        let nodes = (0..self.vectors.count()).map(|number| self.vectors.node(number));
-        nodes.map(|node| (self.place(node), self.error(node)))
-    }
-
-    /// Place of a node, its numbers in the order of the chain, mm.
-    pub fn place(&self, node: Node) -> PerAxis<f64> {
-        let mut place = PerAxis::default();
-        for (axis, number) in self.vectors.chain().into_iter().zip(node) {
-            place[axis] = self.nodes[axis][number];
-        }
-        place
-    }
-
-    /// Error vector of a node, its numbers in the order of the chain, µm.
-    pub fn error(&self, node: Node) -> PerAxis<f64> {
-        let [x, y, z] = self.vectors.at(node);
-        PerAxis { x, y, z }
-    }
-}
-
-impl VolumeModel {
     /// Every curve of an axis with its name.
     fn named_curves(&self, axis: Axis) -> impl Iterator<Item = (String, &ErrorCurve)> {
         let deviations = Axis::ALL.map(|of| {
@@ -158,11 +123,43 @@ impl VolumeModel {
         if low < high {
             return Ok(Some((*low, *high)));
         }
-        Err(job
-            .problem_at(
-                "measurement",
-                format!("the curves of {axis} have no range in common: {early} was measured from {from} to {high} mm, {late} from {low} to {to} mm"),
-            )
-            .help("measure both over the range that is to be judged, or leave one of them out"))
+        let words = format!(
+            "the curves of {axis} have no range in common: {early} was measured from {from} to {high} mm, {late} from {low} to {to} mm"
+        );
+        let help = "measure both over the range that is to be judged, or leave one of them out";
+        Err(job.problem_at("measurement", words).help(help))
+    }
+}
+
+impl ErrorMap {
+    /// The vectors without their places.
+    pub fn vectors(&self) -> &GridMap {
+        &self.vectors
+    }
+
+    /// The nodes.
+    pub(crate) fn nodes(&self) -> &Nodes {
+        &self.nodes
+    }
+
+    /// Every node with its error vector, µm, in the order of the vectors.
+    pub fn points(&self) -> impl Iterator<Item = (PerAxis<f64>, PerAxis<f64>)> {
+        let nodes = (0..self.vectors.count()).map(|number| self.vectors.node(number));
+        nodes.map(|node| (self.place(node), self.error(node)))
+    }
+
+    /// Place of a node, its numbers in the order of the chain, mm.
+    pub fn place(&self, node: Node) -> PerAxis<f64> {
+        let mut place = PerAxis::default();
+        for (axis, number) in self.vectors.chain().into_iter().zip(node) {
+            place[axis] = self.nodes[axis][number];
+        }
+        place
+    }
+
+    /// Error vector of a node, its numbers in the order of the chain, µm.
+    pub fn error(&self, node: Node) -> PerAxis<f64> {
+        let [x, y, z] = self.vectors.at(node);
+        PerAxis { x, y, z }
     }
 }

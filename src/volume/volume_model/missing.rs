@@ -4,7 +4,7 @@ use super::{Component, VolumeModel};
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
 use crate::quantity::{Axis, ErrorTerm, LeverEffect, Millimetres, PerAxis, Rotation, unit};
-use crate::text::Finding;
+use crate::text::{Finding, joined};
 use crate::volume::findings::VolumeFinding as Found;
 use serde::Serialize;
 
@@ -101,23 +101,16 @@ impl VolumeModel {
         (!words.is_empty()).then(|| words.join("; "))
     }
 
-    fn at_far_end(&self, effect: LeverEffect) -> String {
-        let (low, high) = self.ranges[effect.arm];
-        if high <= low && !self.is_measured(effect.arm) {
+    fn at_far_end(&self, LeverEffect { direction, arm, .. }: LeverEffect) -> String {
+        if self.unknown_axes().contains(&arm) {
             return format!(
-                "its effect in {} is not known: the lever is the travel of {}, which is not stated",
-                effect.direction, effect.arm
+                "its effect in {direction} is not known: the lever is the travel of {arm}, which is not stated"
             );
         }
-        let origin = self.origin[effect.arm];
-        let arm = (low - origin).abs().max((high - origin).abs());
-        format!(
-            "up to {:.3} µm in {} for each µrad (lever {} mm in {})",
-            arm / super::MM_PER_M,
-            effect.direction,
-            Millimetres::new(arm).shown(),
-            effect.arm
-        )
+        let ((low, high), origin) = (self.ranges[arm], self.origin[arm]);
+        let lever = (low - origin).abs().max((high - origin).abs());
+        let (um, mm) = (lever / super::MM_PER_M, Millimetres::new(lever).shown());
+        format!("up to {um:.3} µm in {direction} for each µrad (lever {mm} mm in {arm})")
     }
 
     /// Whether a squareness is neither stated nor can stand in slopes of measured straightness.
@@ -129,15 +122,11 @@ impl VolumeModel {
 
     /// What the model takes for granted.
     pub(super) fn statements(&self, job: &Job, model: &ErrorModel) -> Vec<Finding> {
-        let mut labels = Vec::new();
-        if !self.chain_is_stated {
-            labels.push(Found::ChainAssumed);
-        }
-        let stated = self.squareness.iter().map(|s| {
+        let mut labels = Vec::from_iter((!self.chain_is_stated).then_some(Found::ChainAssumed));
+        let stated = joined(self.squareness.iter().map(|s| {
             let (of, along) = (s.term.of.key(), s.term.along.key());
             format!("{of}{along} {:+} µm/m", s.um_per_m)
-        });
-        let stated = stated.collect::<Vec<_>>().join(", ");
+        }));
         labels.push(match stated.as_str() {
             "" => Found::SquarenessInCurves,
             _ => Found::SquarenessStated { stated },
@@ -145,8 +134,7 @@ impl VolumeModel {
         labels.extend(self.of_angles(job));
         labels.extend(Axis::ALL.into_iter().filter_map(|axis| of_directions(model, axis)));
         labels.extend(Axis::ALL.into_iter().filter_map(|axis| self.judged_part(job, axis)));
-        let doubts = model.remarks.doubts.iter().cloned();
-        labels.extend(doubts.map(|why| Found::Doubtful { why }));
+        labels.extend(model.remarks.doubts.iter().cloned().map(|why| Found::Doubtful { why }));
         labels.into_iter().map(Finding::from).collect()
     }
 
@@ -162,17 +150,14 @@ impl VolumeModel {
             let zeroed = self.levers.angles_zero[rotation.along].is_some();
             (!zeroed && urad.abs() >= SHOWN_URAD).then(|| format!("{rotation} {urad:+.3} µrad"))
         });
-        let angles = at_reference.collect::<Vec<_>>().join(", ");
-        if !angles.is_empty() {
-            labels.push(Found::AnglesAtReference { angles });
-        }
+        let angles = joined(at_reference);
+        labels.extend((!angles.is_empty()).then_some(Found::AnglesAtReference { angles }));
         let has_angles =
             |axis: Axis| Rotation::all().any(|of| of.along == axis && self.rotations[of].is_some());
         let zeroed = self.levers.angles_zero.iter().filter(|(axis, _)| has_angles(*axis));
-        labels.extend(zeroed.filter_map(|(axis, place)| {
-            let mm = (*place)?.mm();
-            Some(Found::AnglesZero { axis, mm })
-        }));
+        labels.extend(
+            zeroed.filter_map(|(axis, place)| Some(Found::AnglesZero { axis, mm: (*place)?.mm() })),
+        );
         let tables = Axis::ALL.into_iter().filter(|axis| self.chain.moves_workpiece(*axis));
         labels.extend(tables.map(|axis| match self.levers.straightness_optic[axis] {
             Some(place) => Found::OpticOnTable { axis, mm: place.mm() },
@@ -183,10 +168,8 @@ impl VolumeModel {
 
     /// Where the levers of an axis count from, and whether that is assumed.
     fn lever_place(&self, axis: Axis) -> String {
-        let word = match self.levers.offsets[axis] {
-            Some(_) => "",
-            None => " (assumed: the reference)",
-        };
+        let is_stated = self.levers.offsets[axis].is_some();
+        let word = if is_stated { "" } else { " (assumed: the reference)" };
         let mm = Millimetres::new(self.origin[axis]).shown();
         format!("{axis} {mm} mm{word}")
     }

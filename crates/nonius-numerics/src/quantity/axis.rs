@@ -86,10 +86,7 @@ impl Direction {
 
     /// The other direction.
     pub const fn opposite(self) -> Direction {
-        match self {
-            Direction::Plus => Direction::Minus,
-            Direction::Minus => Direction::Plus,
-        }
+        [Direction::Minus, Direction::Plus][self as usize]
     }
 }
 

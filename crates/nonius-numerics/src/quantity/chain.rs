@@ -72,9 +72,7 @@ impl Chain {
 
     /// The axes that swing with a rotation of `axis`: those between it and the tool.
     pub fn carried_by(self, axis: Axis) -> Vec<Axis> {
-        let order = self.order();
-        let after = order.iter().skip_while(|other| **other != axis).skip(1);
-        after.copied().collect()
+        self.order().into_iter().skip_while(|other| *other != axis).skip(1).collect()
     }
 
     /// Whether an axis carries the workpiece (a table).

@@ -111,8 +111,7 @@ impl ErrorCurve {
     /// The curve shifted so that it is zero at `reference`: d(x) − d(reference).
     #[must_use]
     pub fn rezeroed_at(&self, reference: Millimetres) -> ErrorCurve {
-        let offset = self.um_at(reference.mm());
-        self.adding(|_| -offset, 0.0)
+        self.less(self.at(reference))
     }
 
     /// The curve plus a straight line: d(x) + φ·(x − zero)/1000.
@@ -153,8 +152,7 @@ impl ErrorCurve {
         let low = from.mm().min(other_from.mm());
         let high = to.mm().max(other_to.mm());
         let (own, others) = (self.held_over(low, high), other.held_over(low, high));
-        let knots = own.union_of_knots(&others, low, high);
-        own.weighted(&others, knots, 1.0, 1.0)
+        own.weighted(&others, (low, high), 1.0, 1.0)
     }
 
     /// The slope of the straight line through the two ends, µm/m; of one point, 0.
@@ -163,10 +161,7 @@ impl ErrorCurve {
     pub fn end_point_slope_um_per_m(&self) -> f64 {
         let (from, to) = self.measured_range();
         let length = (to - from).mm();
-        if length <= 0.0 {
-            return 0.0;
-        }
-        (self.last - self.um_at(from.mm())) / length * MM_PER_M
+        if length > 0.0 { (self.last - self.um_at(from.mm())) / length * MM_PER_M } else { 0.0 }
     }
 
     /// Smallest and largest value of curve + straight line over a stretch, exactly.
@@ -262,15 +257,13 @@ impl ErrorCurve {
 
     /// The cubic that holds to the right of `x`, about `x`; of a single point, its constant.
     fn cubic_about(&self, x: f64) -> Cubic {
-        let last = [self.last, 0.0, 0.0, 0.0];
-        self.piece_at(x).map_or(last, |(piece, s)| pieces::about(piece, s))
+        self.piece_at(x).map_or([self.last, 0.0, 0.0, 0.0], |(piece, s)| pieces::about(piece, s))
     }
 
     /// The cubic that holds to the right of `x`, and how far `x` lies behind its knot; `None` from the last knot on.
     #[inline]
     fn piece_at(&self, x: f64) -> Option<(&Cubic, f64)> {
-        let above = self.knots.partition_point(|knot| knot.mm() <= x);
-        let index = above.saturating_sub(1);
+        let index = self.knots.partition_point(|knot| knot.mm() <= x).saturating_sub(1);
         Some((self.pieces.get(index)?, x - self.knots[index].mm()))
     }
 
@@ -291,18 +284,17 @@ impl ErrorCurve {
         let (other_from, other_to) = other.measured_range();
         let from = from.mm().max(other_from.mm());
         let to = to.mm().min(other_to.mm());
-        if from > to {
-            return None;
-        }
-        let knots = self.union_of_knots(other, from, to);
-        Some(self.weighted(other, knots, a, b))
+        (from <= to).then(|| self.weighted(other, (from, to), a, b))
     }
 
-    /// a·self + b·other on knots that hold all breaks of both.
-    fn weighted(&self, other: &ErrorCurve, knots: Vec<Millimetres>, a: f64, b: f64) -> ErrorCurve {
-        let to = knots[knots.len() - 1].mm();
-        let starts = &knots[..knots.len() - 1];
-        let pieces = starts.iter().map(|knot| {
+    /// a·self + b·other on the knots of both from one of them to another.
+    fn weighted(&self, other: &ErrorCurve, (from, to): (f64, f64), a: f64, b: f64) -> ErrorCurve {
+        let both = self.knots.iter().chain(&other.knots).copied();
+        let mut knots: Vec<Millimetres> =
+            both.filter(|knot| knot.mm() >= from && knot.mm() <= to).collect();
+        knots.sort_by(|one, two| one.mm().total_cmp(&two.mm()));
+        knots.dedup_by(|next, kept| next <= kept);
+        let pieces = knots[..knots.len() - 1].iter().map(|knot| {
             let (own, others) = (self.cubic_about(knot.mm()), other.cubic_about(knot.mm()));
             std::array::from_fn(|power| a * own[power] + b * others[power])
         });
@@ -326,15 +318,6 @@ impl ErrorCurve {
             wider.pieces.push([self.last, 0.0, 0.0, 0.0]);
         }
         wider
-    }
-
-    fn union_of_knots(&self, other: &ErrorCurve, from: f64, to: f64) -> Vec<Millimetres> {
-        let both = self.knots.iter().chain(&other.knots).copied();
-        let mut knots: Vec<Millimetres> =
-            both.filter(|knot| knot.mm() >= from && knot.mm() <= to).collect();
-        knots.sort_by(|one, two| one.mm().total_cmp(&two.mm()));
-        knots.dedup_by(|next, kept| next <= kept);
-        knots
     }
 }
 

@@ -57,12 +57,8 @@ impl Diagonal {
 
     /// Direction in which an axis travels on the forward run.
     pub const fn forward(self, axis: Axis) -> Direction {
-        match (self, axis) {
-            (Diagonal::Npp, Axis::X) | (Diagonal::Pnp, Axis::Y) | (Diagonal::Ppn, Axis::Z) => {
-                Direction::Minus
-            }
-            _ => Direction::Plus,
-        }
+        // after PPP each names its negative axis, in the order of the axes
+        if self as usize == axis as usize + 1 { Direction::Minus } else { Direction::Plus }
     }
 
     /// Direction in which an axis really travels on a pass.
@@ -75,10 +71,7 @@ impl Diagonal {
 
     /// s of the formulas: +1 where the axis travels positive on the forward run, else −1.
     pub const fn sign(self, axis: Axis) -> f64 {
-        match self.forward(axis) {
-            Direction::Plus => 1.0,
-            Direction::Minus => -1.0,
-        }
+        [1.0, -1.0][self.forward(axis) as usize]
     }
 }
 
@@ -227,10 +220,7 @@ impl Volume {
     /// The interval end that an axis stands at, lowest first.
     pub fn end_at(&self, diagonal: Diagonal, kind: PathKind, node: usize, axis: Axis) -> usize {
         let made = self.steps_made(kind, node, axis);
-        match diagonal.forward(axis) {
-            Direction::Plus => made,
-            Direction::Minus => self.steps - made,
-        }
+        if diagonal.sign(axis) > 0.0 { made } else { self.steps - made }
     }
 
     /// Commanded place of a node, machine coordinates.
@@ -242,24 +232,18 @@ impl Volume {
     /// Nominal displacement along the laser from the start corner to a node, mm.
     pub fn nominal_mm(&self, diagonal: Diagonal, kind: PathKind, node: usize) -> f64 {
         let laser = self.laser(diagonal);
-        let here = self.inside_mm(diagonal, kind, node);
-        let start = self.inside_mm(diagonal, kind, 0);
-        laser.dot(here.minus(start))
+        laser.dot(self.inside_mm(diagonal, kind, node).minus(self.inside_mm(diagonal, kind, 0)))
     }
 
     /// The machine interval (0 = lowest) that the step with running number `step` (0 = first)
     /// of an axis crosses: running numbers of an axis that travels negative count downwards.
     pub fn interval(&self, diagonal: Diagonal, axis: Axis, step: usize) -> usize {
-        match diagonal.forward(axis) {
-            Direction::Plus => step,
-            Direction::Minus => self.steps - 1 - step,
-        }
+        if diagonal.sign(axis) > 0.0 { step } else { self.steps - 1 - step }
     }
 
     /// The node at which the axis has just made its step with running number `step`.
     pub fn node_after(&self, axis: Axis, step: usize) -> usize {
-        let turn = self.order.iter().position(|other| *other == axis);
-        3 * step + turn.unwrap_or(0) + 1
+        3 * step + self.order.iter().position(|other| *other == axis).unwrap_or(0) + 1
     }
 
     /// Distance of interval end `index` from the low end of an axis, mm; 0 … n.
@@ -267,8 +251,7 @@ impl Volume {
         if index == self.steps {
             return self.size[axis].mm();
         }
-        let index = index as f64;
-        self.size[axis].mm() * index / self.steps_f64()
+        self.size[axis].mm() * index as f64 / self.steps_f64()
     }
 
     /// Positions of the interval ends of an axis, machine coordinates; n + 1 of them.

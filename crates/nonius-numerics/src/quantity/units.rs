@@ -98,8 +98,7 @@ pub struct Figure(pub f64);
 impl Figure {
     /// With so many decimals at most, at least one, without zeros at the end.
     pub fn trimmed(self, decimals: usize) -> String {
-        let text = format!("{self:.decimals$}");
-        text.trim_end_matches('0').trim_end_matches('.').to_string()
+        format!("{self:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_string()
     }
 }
 
@@ -227,21 +226,11 @@ impl Add for Correction {
     }
 }
 
-/// What is left: deviation + correction, micrometres.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub struct Residual(f64);
-
-impl Residual {
-    /// The plain number, in micrometres.
-    pub const fn um(self) -> f64 {
-        self.0
-    }
-}
-
+/// What is left: the deviation of the machine with its correction.
 impl Add<Correction> for Deviation {
-    type Output = Residual;
-    fn add(self, correction: Correction) -> Residual {
-        Residual(self.0 + correction.0)
+    type Output = Deviation;
+    fn add(self, correction: Correction) -> Deviation {
+        Deviation(self.0 + correction.0)
     }
 }
 

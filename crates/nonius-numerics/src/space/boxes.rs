@@ -42,10 +42,8 @@ pub struct Boxes<'m> {
 impl<'m> Boxes<'m> {
     /// The boxes of a map.
     pub fn of(map: &'m GridMap) -> Self {
-        let trees = map
-            .rows
-            .each_ref()
-            .map(|rows| tree(rows.iter().map(|row| row.map(Interval::of)).collect()));
+        let of = |rows: &Vec<Row>| tree(rows.iter().map(|row| row.map(Interval::of)).collect());
+        let trees = map.rows.each_ref().map(of);
         Boxes { map, room: room(map.size_um()), trees }
     }
 

@@ -47,9 +47,7 @@ pub struct Diameter {
 /// limits exact: the largest of all squares as [`super::pair::square`] computes them; of several
 ///        pairs with the same square the one with the smallest numbers
 pub fn diameter(map: &GridMap) -> Diameter {
-    let low = [0; 3];
-    let size = map.size();
-    within(map, Window { low, size }, None)
+    within(map, Window { low: [0; 3], size: map.size() }, None)
 }
 
 /// The largest difference within a window; a guess inside it makes the search shorter.
@@ -395,8 +393,7 @@ fn walk(vectors: &[Vector], longest: &mut Longest) {
 
 fn ends(vectors: &[Vector], middle: &Vector, least: f64) -> Ends {
     let least = if least > 0.0 { least * least * (1.0 - 1e-12) } else { 0.0 };
-    let vectors = vectors.iter().enumerate();
-    let far = vectors.filter(|(_, vector)| square(vector, middle) >= least);
+    let far = vectors.iter().enumerate().filter(|(_, vector)| square(vector, middle) >= least);
     let top: Vec<Point> = far.map(|(number, at)| Point { at: *at, number }).collect();
     Ends { bottom: top.clone(), top }
 }

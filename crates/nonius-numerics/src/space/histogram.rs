@@ -124,10 +124,7 @@ struct Cloud<'a> {
 /// Bin of a distance, by the routine that decides.
 #[inline]
 fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a quotient of lengths; the caller has bounded it"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "of lengths; bounded by the caller")]
     let bin = (square(p, q).sqrt() / bin_um) as usize;
     bin
 }
@@ -279,8 +276,7 @@ pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Est
     let above_zero = |value: f64| (value > 0.0).then_some(value);
     let mut counts: Vec<Option<f64>> = counts.into_iter().map(above_zero).collect();
     counts[last] = Some(counts[last].unwrap_or(1.0).max(1.0));
-    let errors = variances.into_iter().map(f64::sqrt);
-    let standard_errors = errors.map(above_zero).collect();
+    let standard_errors = variances.into_iter().map(f64::sqrt).map(above_zero).collect();
     Some(Estimate { drawn, counts, standard_errors })
 }
 

@@ -61,8 +61,7 @@ impl Separation {
 
     /// Standard uncertainty of the slope of a line by itself, µm/m.
     pub(crate) fn u_of_line(&self, index: usize) -> f64 {
-        let all = self.model.own[self.model.layout.line(index)];
-        (all - self.model.of_setup).sqrt()
+        (self.model.own[self.model.layout.line(index)] - self.model.of_setup).sqrt()
     }
 
     /// What the variance of the error of a term is made of that is least certain; of values, that is at most most.

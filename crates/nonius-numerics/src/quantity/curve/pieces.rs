@@ -22,20 +22,18 @@ pub(super) fn through(
 }
 
 fn linear(values: &[f64], chords: &[f64]) -> Vec<Cubic> {
-    let both = values.iter().zip(chords);
-    both.map(|(&value, &chord)| [value, chord, 0.0, 0.0]).collect()
+    values.iter().zip(chords).map(|(&value, &chord)| [value, chord, 0.0, 0.0]).collect()
 }
 
 /// The Hermite cubics of the PCHIP slopes.
 fn hermite(values: &[f64], widths: &[f64], chords: &[f64]) -> Vec<Cubic> {
     let slopes = pchip_slopes(widths, chords);
-    (0..widths.len())
-        .map(|i| {
-            let (h, chord, left, right) = (widths[i], chords[i], slopes[i], slopes[i + 1]);
-            let c2 = (3.0 * chord - 2.0 * left - right) / h;
-            [values[i], left, c2, (left + right - 2.0 * chord) / (h * h)]
-        })
-        .collect()
+    let piece = |i: usize| {
+        let (h, chord, left, right) = (widths[i], chords[i], slopes[i], slopes[i + 1]);
+        let c2 = (3.0 * chord - 2.0 * left - right) / h;
+        [values[i], left, c2, (left + right - 2.0 * chord) / (h * h)]
+    };
+    (0..widths.len()).map(piece).collect()
 }
 
 /// Slopes at the positions: inside the weighted harmonic mean of the neighbouring chords
@@ -86,13 +84,12 @@ fn natural_spline(values: &[f64], widths: &[f64], chords: &[f64]) -> Vec<Cubic> 
     let mut bends = vec![0.0];
     bends.extend(solve_tridiagonal(diagonal, beside, right));
     bends.push(0.0);
-    (0..widths.len())
-        .map(|i| {
-            let (h, left, right) = (widths[i], bends[i], bends[i + 1]);
-            let slope = chords[i] - h * (2.0 * left + right) / 6.0;
-            [values[i], slope, left / 2.0, (right - left) / (6.0 * h)]
-        })
-        .collect()
+    let piece = |i: usize| {
+        let (h, left, right) = (widths[i], bends[i], bends[i + 1]);
+        let slope = chords[i] - h * (2.0 * left + right) / 6.0;
+        [values[i], slope, left / 2.0, (right - left) / (6.0 * h)]
+    };
+    (0..widths.len()).map(piece).collect()
 }
 
 /// The solution of a symmetric tridiagonal system, by elimination without pivoting (Thomas).
