@@ -76,7 +76,7 @@ findings! {
         OtherTravel { axis: String, held_mm: [f64; 2], own_mm: [f64; 2] } => Note, "{}", limits(axis, *held_mm, *own_mm);
         HomeOffset { joint: u32, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "HOME_OFFSET of [JOINT_{joint}] is {position} {unit}, the job has the reference at {own_mm} mm";
         HomeDirection { joint: u32, speed: f64, own: Direction } => Disagreement, "HOME_LATCH_VEL of [JOINT_{joint}] is {speed}, the job has `reference_direction = \"{}\"`", own.symbol();
-        NoSwitches { axis: String, directions: u8, interpolated: u8 } => Note, "no file holds 3605 of axis {axis}: bit 0 (table for each direction) and bit 1 (interpolated) are taken as the job asks, {directions} and {interpolated}";
+        SecondTables { axes: Vec<String> } => Doubt, "no file holds 3605 of axis {}, whose bit 0 decides whether values for travel in - (3626, 3627, points) act: read it out with them", axes.join(", ");
         OtherSwitch { bit: usize, axis: String, is: u8, asked: u8, meaning: &'static str } => Disagreement, "3605#{bit} of axis {axis} is {is}, the job is for {asked} (1 = {meaning})";
         RapidDiffers { axis: String, rapid: String, cutting: String } => Doubt, "1852 of axis {axis} is {rapid}, 1851 is {cutting}, and the job asks for the same in both: where the control takes 1852 in rapid traverse, the axis stands elsewhere than forecast after it";
         NoRapid { axis: String } => Note, "no file holds 1852 of axis {axis}: taken as its 1851";
@@ -156,6 +156,9 @@ impl InControl {
             }
             Self::PointsOfNobody { .. } => {
                 "read out the parameters too (`CNC-PARA.TXT`) and name both files together"
+            }
+            Self::SecondTables { .. } => {
+                "name all parameters of that day, or state `parameter_3605` as it was found"
             }
             Self::Reference { .. } | Self::HomeOffset { .. } => {
                 "correct `reference_mm`; tables of another reference cannot be added"

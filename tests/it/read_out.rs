@@ -99,15 +99,15 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
     let of_siemens: fn(f64) -> String =
         |um| format!("N32450 $MA_BACKLASH[0,AX1]={:.4}", um / 1000.0);
     let of_fanuc = |um: f64| format!("N01851Q1A1P{um:.0}A2P0\nN01852Q1A1P{um:.0}A2P0");
-    for (policy, asked) in [("curve-and-parameter", 4.0), ("two-tables", 0.0)] {
-        for (cnc, held, name) in [
-            (siemens(policy), of_siemens, "MD32450) of axis AX1"),
-            (fanuc(policy), of_fanuc, "1851) of axis 1"),
+    for (policy, asked, both) in [("curve-and-parameter", 4.0, 0), ("two-tables", 0.0, 1)] {
+        for (cnc, bits, held, name) in [
+            (siemens(policy), "", of_siemens, "MD32450) of axis AX1"),
+            (fanuc(policy), &format!("N03605Q1A1P0000000{both}\n"), of_fanuc, "1851) of axis 1"),
         ] {
-            cnc.agrees(&held(asked));
+            cnc.agrees(&(bits.to_string() + &held(asked)));
             let wrong = format!("the control holds 9 µm, the job asks for {asked} µm");
             cnc.is(&held(9.0), "fail", &wrong);
-            cnc.is("", "pass", &format!("{name}: taken as the job asks, {asked} µm"));
+            cnc.is(bits, "pass", &format!("{name}: taken as the job asks, {asked} µm"));
         }
     }
 }
@@ -174,7 +174,7 @@ fn what_stands_around_siemens_tables_is_judged() {
 fn what_stands_around_fanuc_points_is_judged() {
     fanuc("mean").each(
         r"
-        => pass: no file holds 3605 of axis 1
+        => pass: no file holds 3602, 1006 of axis 1, 1240 of axis 1, 3605 of axis 1
         N03605Q1A1P00000000A2P00000000 => pass
         N03605Q1A1P00000010A2P00000000 => fail: 3605#1 of axis 1 is 1, the job is for 0
         # The reference point is judged within half a digit.
@@ -208,7 +208,7 @@ fn what_stands_around_fanuc_points_is_judged() {
         N03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN03626Q1A4P1\nN03605Q1A4P00000000 => pass: points 500 to 510",
     );
     fanuc("two-tables").each(
-        "N03605Q1A1P00000001 => pass
+        "=> undecided: no file holds 3605 of axis 1, whose bit 0 decides
         N03605Q1A1P00000000 => fail: 3605#0 of axis 1 is 0, the job is for 1",
     );
     fanuc("curve-and-parameter").each(

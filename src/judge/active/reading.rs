@@ -153,9 +153,12 @@ impl ReadOutReader<'_> {
 
     /// Takes the backlash parameter of each axis of the control, µm, where a file holds it.
     pub(crate) fn backlash(&self, of: impl Fn(Axis, &str) -> Option<f64>) -> NamedBacklash {
-        let names =
-            self.names.iter().flat_map(|(axis, names)| names.iter().map(move |n| (axis, n)));
-        names.map(|(axis, name)| (name.clone(), of(axis, name))).collect()
+        self.named().map(|(axis, name)| (name.clone(), of(axis, name))).collect()
+    }
+
+    /// The axes of the job, and of the control.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (Axis, &String)> {
+        self.names.iter().flat_map(|(axis, names)| names.iter().map(move |name| (axis, name)))
     }
 
     /// Tells of a control that counts in another unit than the job, where a file holds its unit.
@@ -206,10 +209,8 @@ pub(super) fn stated(
     backlash_um: &PerAxis<Option<f64>>,
 ) -> Result<ControlState, Problems> {
     let names = axis_names(job, profile)?;
-    let bits = |axis: Axis| job.compensation.axes[axis].as_ref()?.parameter_3605;
-    let is_bidirectional = |axis| bits(axis).is_some_and(|bits| bits & 1 != 0);
     let backlash_um = |axis| backlash_um[axis].unwrap_or(0.0);
-    Ok(stated_control(job, &names, backlash_um, is_bidirectional))
+    Ok(stated_control(job, &names, backlash_um, |_| false))
 }
 
 /// Backlash parameters of the files and of the job together; two different values are a problem.

@@ -4,7 +4,7 @@ use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
-use crate::control::table::fanuc::FanucMemory;
+use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::{Job, MachineAxis};
 use crate::judge::active::ReadOutReader;
 use crate::judge::findings::InControl;
@@ -36,7 +36,8 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
             reading.tell(InControl::PassedOver { file, count, what });
         }
     }
-    let memory = merge(memories)?;
+    let mut memory = merge(memories)?;
+    take_as_found(reading, &mut memory);
     let held = Tables::Fanuc(memory.clone());
     let unit = unit_of(&memory);
     for finding in found(reading.job, &reading.names, &memory, facts) {
@@ -44,6 +45,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     }
     let mut sorted = Sorted { reading, facts, memory };
     sorted.take_sets();
+    sorted.tell_second_tables();
     sorted.take_other_axes();
     let backlash = sorted.reading.backlash(|axis, name| sorted.backlash(axis, name));
     sorted.reading.active.held_backlash = backlash;
@@ -53,6 +55,17 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     sorted.reading.found(Tables::Fanuc(sorted.memory), held);
     sorted.reading.check_unit(unit);
     Ok(())
+}
+
+/// 3605 that no file holds, as the job states it: as found, so of what was active.
+fn take_as_found(reading: &ReadOutReader<'_>, memory: &mut FanucMemory) {
+    for (axis, name) in reading.named().filter(|_| !reading.judges()) {
+        let settings = reading.job.compensation.axes[axis].as_ref();
+        let key = ParameterKey { number: 3605, axis: name.parse().ok() };
+        if let Some(bits) = settings.and_then(|s| s.parameter_3605) {
+            memory.parameters.entry(key).or_insert(ParameterValue::Bits(bits));
+        }
+    }
 }
 
 struct Sorted<'a, 'b> {
@@ -113,6 +126,28 @@ impl Sorted<'_, '_> {
         });
     }
 
+    /// Values for travel in − where no file holds 3605, whose bit 0 decides whether they act. Points that only such a
+    /// table can have are some where no file holds 3626.
+    fn tell_second_tables(&mut self) {
+        let FanucMemory { parameters, points } = &self.memory;
+        let is_in = |blocks: &[NumberRange], point| blocks.iter().any(|own| own.contains(point));
+        let (minus, plus) = (&self.facts.minus_points.value, &self.facts.pitch_points.value);
+        let mut alone = points.iter().filter(|(at, _)| is_in(minus, **at) && !is_in(plus, **at));
+        let has_points =
+            alone.any(|(_, um)| *um != 0) && parameters.keys().all(|key| key.number != 3626);
+        let is_open = |name: &&String| {
+            let held = |number| self.memory.parameter(number, name.parse().ok());
+            let acts = |number| held(number).is_some_and(|value| !value.is_zero());
+            let has_values = has_points || acts(3626) || acts(3627);
+            held(3605).is_none() && acts(3623) && has_values
+        };
+        let names = self.reading.named().map(|(_, name)| name);
+        let axes: Vec<String> = names.filter(is_open).cloned().collect();
+        if !axes.is_empty() {
+            self.reading.tell(InControl::SecondTables { axes });
+        }
+    }
+
     /// Parameters of axes that the job does not have; their points are theirs.
     fn take_other_axes(&mut self) {
         let axes = self.memory.parameters.keys().filter_map(|key| key.axis);
@@ -155,9 +190,8 @@ impl Sorted<'_, '_> {
         if !self.reading.judges() {
             return;
         }
-        let names = Axis::ALL.map(|axis| self.reading.names[axis].clone()).concat();
-        let own: Vec<u32> = names.iter().filter_map(|name| name.parse().ok()).collect();
-        for axis in own {
+        let own = self.reading.named().filter_map(|(_, name)| name.parse().ok());
+        for axis in own.collect::<Vec<u32>>() {
             let is_same = |number: u32| {
                 let of = |axis| self.memory.parameter(number, Some(axis));
                 of(axis) == of(other)
@@ -184,8 +218,7 @@ impl Sorted<'_, '_> {
         if self.reading.judges() {
             return;
         }
-        let known = self.reading.active.held_backlash.iter().filter(|(_, um)| um.is_some());
-        for axis in known.map(|(name, _)| name.clone()).collect::<Vec<_>>() {
+        for (axis, _) in self.reading.active.held_backlash.clone() {
             let of = |number| self.memory.amount(number, axis.parse().ok());
             if let (Some(cutting), Some(rapid)) = (of(1851), of(1852))
                 && (cutting - rapid).abs() > 0.0
@@ -198,14 +231,12 @@ impl Sorted<'_, '_> {
     /// Points without the parameters that say which axis they belong to.
     fn tell_points_of_nobody(&mut self) {
         let mut keys = self.memory.parameters.keys();
-        let has_owner = keys.any(|key| (3620..=3624).contains(&key.number));
-        if has_owner
-            || !self.reading.active.others.points.is_empty()
-            || self.memory.points.is_empty()
-        {
-            return;
+        let has_owner = keys.any(|key| (3620..=3624).contains(&key.number))
+            || !self.reading.active.others.points.is_empty();
+        let points = self.memory.points.len();
+        if !has_owner && points > 0 {
+            self.reading.tell(InControl::PointsOfNobody { points });
         }
-        self.reading.tell(InControl::PointsOfNobody { points: self.memory.points.len() });
     }
 
     /// What was judged, and what does nothing.
@@ -376,10 +407,7 @@ fn switches(axis: &AxisState, wanted: &FanucMemory, held: &FanucMemory) -> Vec<I
     let number = axis.name.parse().ok();
     let of_state = u8::from(axis.bidirectional) | (u8::from(axis.interpolated) << 1);
     let asked = wanted.bits(3605, number).unwrap_or(of_state) & 0b11;
-    let Some(found) = held.bits(3605, number) else {
-        let (axis, directions, interpolated) = (axis.name.clone(), asked & 1, asked >> 1);
-        return vec![InControl::NoSwitches { axis, directions, interpolated }];
-    };
+    let Some(found) = held.bits(3605, number) else { return Vec::new() };
     let meanings = ["a table for each direction", "lines between the points, not steps"];
     let other = meanings.into_iter().enumerate().map(|(bit, meaning)| {
         let (is, asked) = ((found >> bit) & 1, (asked >> bit) & 1);
@@ -419,7 +447,7 @@ pub(super) fn absent(axes: &[AxisState], wanted: &FanucMemory, held: &FanucMemor
         let number = axis.name.parse().ok();
         let own = wanted.parameter(3623, number).is_some();
         let lacks = |parameter: &u32| own && held.parameter(*parameter, number).is_none();
-        let lacking = [1006, 1240].into_iter().filter(lacks);
+        let lacking = [1006, 1240, 3605].into_iter().filter(lacks);
         absent.extend(lacking.map(|parameter| format!("{parameter} of axis {}", axis.name)));
     }
     absent

@@ -344,8 +344,7 @@ impl Sorted<'_, '_> {
 
     /// Names of the job's axes as the control writes them.
     fn own_names(&self) -> Vec<String> {
-        let names = self.reading.names.iter().flat_map(|(_, names)| names);
-        names.map(|name| name.to_uppercase()).collect()
+        self.reading.named().map(|(_, name)| name.to_uppercase()).collect()
     }
 
     fn is_reserved(&self, place: &Place) -> bool {
@@ -394,13 +393,11 @@ impl Sorted<'_, '_> {
     /// measuring system is active, either may be.
     fn lec_not_read_out(&self) -> Option<InControl> {
         let mut switches = Vec::new();
-        for (axis, names) in self.reading.names.iter() {
-            for name in names {
-                let places = Self::lec_places(name, self.stated_encoder(axis));
-                if !places.iter().any(|place| self.all.tables.at(place).is_some()) {
-                    let missing = places.iter().filter(|place| self.is_missing(place));
-                    switches.extend(missing.map(|place| format!("[{}]", place.index())));
-                }
+        for (axis, name) in self.reading.named() {
+            let places = Self::lec_places(name, self.stated_encoder(axis));
+            if !places.iter().any(|place| self.all.tables.at(place).is_some()) {
+                let missing = places.iter().filter(|place| self.is_missing(place));
+                switches.extend(missing.map(|place| format!("[{}]", place.index())));
             }
         }
         (!switches.is_empty()).then_some(InControl::LecNotRead { switches })
