@@ -213,8 +213,10 @@ impl<'a> Compared<'a> {
     }
 }
 
+/// Straight from node to node: a node of one table may lie on the same tread of another that steps elsewhere.
 fn corrections(response: &Response, places: &[Millimetres]) -> Vec<f64> {
-    places.iter().map(|at| response.correction(*at).um()).collect()
+    let lines = response.straightened();
+    places.iter().map(|at| lines.correction(*at).um()).collect()
 }
 
 /// Whether a correction takes enough different values to be told from a single changed point.

@@ -171,9 +171,9 @@ fn fanuc() {
         .says("EXX (1 while 1 moves): wrong scale: every correction is double");
     kit.no(PARAMETERS, swap("N03623Q1A1P1A", "N03623Q1A1P3A"))
         .says("wrong scale: every correction is 3.000 times");
-    // The interval in µm (3624).
-    kit.no(PARAMETERS, swap("A1P30.0A", "A1P30000.0A"))
-        .says("other spacing: the points are 30000.0000 mm apart");
+    // Each node of one interval (3624) lies between the same steps of the other.
+    kit.no(PARAMETERS, swap("A1P30.0A", "A1P30.5A"))
+        .says("other spacing: the points are 30.5000 mm apart");
     // One increment mistyped, above the reference point and below one.
     kit.no(POINTS, swap("N10010Q0P0", "N10010Q0P5"))
         .says("EXX (1 while 1 moves): one step is changed: from 270.0000 to 300.0000 mm the correction changes by 5.000 µm, the job asks for 0.000 µm; so every correction from 300.0000 mm on is off by 5.000 µm");
