@@ -68,12 +68,14 @@ impl Directory {
         Ok(found)
     }
 
-    /// The folder of a visit is no kit: with a file that the tables are made from among them, every file would be
-    /// complained of.
+    /// The folder of a visit is no kit: with a file among them that the tables are made from (no old table of the control)
+    /// every file would be complained of.
     fn ensure_holds_no_input(&self, inputs: &Inputs) -> Result<(), Problem> {
         let is_input = |file: &&KitFile| {
             let own = sha256(&file.bytes);
-            inputs.hashes.iter().any(|input| input.sha256 == own)
+            let mut active = inputs.active.iter().flat_map(|active| &active.files);
+            active.all(|(_, bytes)| *bytes != file.bytes)
+                && inputs.hashes.iter().any(|input| input.sha256 == own)
         };
         let Some(file) = self.files.iter().find(is_input) else {
             return Ok(());
@@ -261,5 +263,36 @@ impl Directory {
         if !names.is_empty() {
             self.other_inputs = Some(InDirectory::OtherInputs { names }.into());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::controller::builtin;
+    use crate::inputs::error_table::ErrorTable;
+    use crate::inputs::job::Job;
+    use crate::kit::hashed;
+    use crate::text::Source;
+
+    #[test]
+    fn old_tables_are_files_of_the_control_and_errors_are_none() {
+        let folder = format!("{}/fixtures/base/read-out/", env!("CARGO_MANIFEST_DIR"));
+        let bytes = |name: &str| std::fs::read(folder.clone() + name).unwrap();
+        let source = |name| Source::from_bytes(name, &bytes(name)).unwrap();
+        let old = [bytes("old.arc"), b"M17\n".to_vec()].concat();
+        let of_control = || vec![("old.arc".to_string(), old.clone())];
+        let hashes = vec![hashed("errors.csv", &bytes("errors.csv")), hashed("old.arc", &old)];
+        let job = Job::read(source("job.toml")).unwrap();
+        let errors = ErrorTable::read(source("errors.csv")).unwrap();
+        let profile = builtin::profile(&job.compensation.controller).unwrap();
+        let purpose = ReadOutFor::OldTables;
+        let active = from_read_out(&job, &profile, "old.arc", of_control(), purpose).unwrap();
+        let inputs = Inputs::new(job, profile, &errors, hashes).unwrap();
+        let inputs = inputs.with_active(active).unwrap();
+        let found = |files| Directory::of(&inputs, "out".to_string(), files, None);
+        assert!(found(of_control()).unwrap().read_out(&inputs).unwrap().is_some());
+        let both = [of_control(), vec![("a.csv".to_string(), bytes("errors.csv"))]].concat();
+        assert!(found(both).err().unwrap().message.contains("holds `a.csv`"));
     }
 }
