@@ -10,7 +10,7 @@ use crate::control::table::siemens::MachineDatum;
 use crate::quantity::{Direction, Figure, Millimetres};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::findings::ReadFinding;
-use crate::text::{Finding, Problem, Problems, joined, shown};
+use crate::text::{Finding, Problem, Problems, joined, not_utf_8, shown};
 use encoding_rs::UTF_16LE;
 use std::borrow::Cow;
 
@@ -121,7 +121,7 @@ fn read_role(
     for file in files.iter().filter(is_read) {
         match kit_text(profile, &file.bytes) {
             Some(text) => texts.push((file, text)),
-            None => problems.push(not_text(profile, &file.path)),
+            None => problems.push(not_text(profile, &file.path, &file.bytes)),
         }
     }
     if texts.is_empty() && problems.is_empty() {
@@ -179,8 +179,7 @@ pub fn read_out_text<'a>(
     if let Some(refusal) = family(&profile.dialect).refusal(name, bytes) {
         return Err(refusal);
     }
-    let help = "name the files that the control wrote as text";
-    text(profile, bytes).ok_or_else(|| not_text(profile, name).help(help))
+    text(profile, bytes).ok_or_else(|| not_text(profile, name, bytes))
 }
 
 /// A file of a kit as text.
@@ -202,13 +201,14 @@ fn utf16(bytes: &[u8]) -> Option<Cow<'_, str>> {
 /// The byte order mark.
 const MARK: char = '\u{feff}';
 
-fn not_text(profile: &Profile, name: &str) -> Problem {
-    Problem::new(match profile.encoding() {
-        Encoding::Utf8 => format!("`{name}` is not text"),
-        Encoding::Utf16Le => {
-            format!("`{name}` is not text in UTF-16 (low byte first), as this control has it")
-        }
-    })
+fn not_text(profile: &Profile, name: &str, bytes: &[u8]) -> Problem {
+    match profile.encoding() {
+        Encoding::Utf8 => not_utf_8(name, bytes),
+        Encoding::Utf16Le => Problem::new(format!(
+            "`{name}` is not text in UTF-16 (low byte first), as this control has it"
+        ))
+        .help("name the files that the control wrote as text"),
+    }
 }
 
 /// A file of a control as text: as [`kit_text`], of UTF-8 without its byte order mark, or one byte for each

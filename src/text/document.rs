@@ -53,7 +53,7 @@ impl Source {
         let text = std::str::from_utf8(bytes)
             .ok()
             .filter(|text| !text.contains('\0'))
-            .ok_or_else(|| not_text(name, bytes))?;
+            .ok_or_else(|| not_utf_8(name, bytes))?;
         refuse_many_lines(name, text)?;
         refuse_long_lines(name, text)?;
         Ok(Source {
@@ -138,7 +138,8 @@ pub(crate) fn json_page(bytes: &[u8]) -> Result<Value, String> {
     serde_json::from_slice(bytes).map_err(|error| error.to_string())
 }
 
-fn not_text(name: &str, bytes: &[u8]) -> Problems {
+/// What is wrong with bytes that are not UTF-8 text.
+pub(crate) fn not_utf_8(name: &str, bytes: &[u8]) -> Problem {
     let good = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), str::len);
     let what = if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         "is UTF-16 text".to_string()
@@ -150,7 +151,7 @@ fn not_text(name: &str, bytes: &[u8]) -> Problems {
         let line = bytes[..good].split(|byte| *byte == b'\n').count();
         format!("holds a letter in another encoding in line {line}")
     };
-    refused::not_text(name, what).into()
+    refused::not_text(name, what)
 }
 
 /// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB), and none

@@ -8,8 +8,8 @@ mod problem;
 mod refused;
 
 pub(crate) use self::document::{
-    Pages, json_page, part, read_page, refuse_large_page, refuse_long_lines, refuse_many_lines,
-    section, states, template_text,
+    Pages, json_page, not_utf_8, part, read_page, refuse_large_page, refuse_long_lines,
+    refuse_many_lines, section, states, template_text,
 };
 
 pub use self::delimited::{LengthUnit, Line, lines};
