@@ -103,11 +103,9 @@ fn accuses(found: &Separation) -> Option<String> {
 
 struct Slipped {
     kind: usize,
-    /// Whether its power is at least 95 %.
     is_sure: bool,
     is_named: bool,
     is_silent: bool,
-    /// Whether it is silent with the sentence.
     is_warned: bool,
 }
 
@@ -233,7 +231,6 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
         }
         let untold = outcome.count(|slip| slip.is_silent, |slip| !slip.is_warned);
         at_most(untold, 1.0, &format!("{name}, silent without the sentence"));
-        println!("{name}: {} of {} silent", untold.1, outcome.slips.len());
     }
     for (_, wavy, accused) in &even {
         at_most((*accused, machines as usize), 1.0, &format!("{} {:?}", wavy.size, wavy.even));
