@@ -439,7 +439,8 @@ mod tests {
         let said = batch("a\nc\nd\n", Some(&place), true).unwrap_err();
         assert!(said.contains("line 2") && said.contains("answers another question"), "{said}");
         assert!(batch("a\n", Some(&place), true).is_err(), "more answers than questions");
-        assert!(batch("a\nb\n", Some(&place), false).unwrap_err().contains("--resume"));
+        let said = batch("a\nb\n", Some(&place), false).unwrap_err();
+        assert!(said.contains("it exists, so it is not overwritten") && said.contains("--resume"));
         assert_eq!(std::fs::read_to_string(&place).unwrap(), old);
         std::fs::write(&place, "no answers, and no end of a line").unwrap();
         assert!(batch("a\n", Some(&place), true).is_err(), "a file of something else");

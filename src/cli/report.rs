@@ -74,7 +74,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let word = visit.verdict.map_or(AS_FOUND, Verdict::word);
     let screen = || {
         Screen::of(match is_found {
-            true => "the page shows the machine as found: the job states no tables ([compensation.axes]), so nothing is forecast or judged".to_string(),
+            true => "the page shows the machine as found: no job states tables ([compensation.axes]), so nothing is forecast or judged".to_string(),
             false => format!("verdict on the page: {word}"),
         })
     };

@@ -69,13 +69,7 @@ pub fn import(file: Measurement<'_>, stated: &Stated) -> Result<Imported, Proble
     if let Some(options) = whole.beyond(stated) {
         match stated.yes {
             true => intake.say([ImportFinding::Understood { options }]),
-            false => {
-                let given =
-                    whole.given().into_iter().map(|(option, value)| format!(" {option} {value}"));
-                let given = given.collect::<String>();
-                let command = format!("nonius import {}{given} -o errors.csv", file.path);
-                intake.notes.refuse(refusals::only_understood(options, command));
-            }
+            false => intake.notes.refuse(refusals::only_understood(options)),
         }
     }
     let ((series, squareness), findings) = intake.end(contents)?;
@@ -116,7 +110,7 @@ pub(crate) fn squareness_lines(squareness: &[Squareness]) -> Vec<String> {
     ];
     let rows =
         squareness.iter().map(|s| format!("  {} = {:?}    # from {}", s.pair, s.um_per_m, s.name));
-    let end = "  positive = the angle between the two positive axis directions is less than 90°";
+    let end = "  # positive = the angle between the two positive axis directions is less than 90°";
     head.map(str::to_string).into_iter().chain(rows).chain([end.to_string()]).collect()
 }
 

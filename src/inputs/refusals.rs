@@ -30,7 +30,7 @@ pub(super) const MOVED: &str =
 refusals! {
     // Whatever the format.
     not_recognised(name) => "the format of `{name}` is not recognised", "map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there";
-    only_understood(options, command) => "understood from the file, but neither stated nor confirmed: {options}", format!("if it is so, add `--yes`; or in full: {command}");
+    only_understood(options) => "understood from the file, but neither stated nor confirmed: {options}", "if it is so, add `--yes`, or these options";
     list_without_form() => "a list of captures does not say where they were taken", "name the form that says it, `--form readings.csv` (docs/measuring.md section 4)";
     other_count(found, expected) => "expected {expected} words in this row, found {found}", MISSING;
     something_else(what, found, expected, help) => "{what} is `{found}`, expected {expected}", help;
@@ -131,7 +131,7 @@ refusals! {
     no_readings(text) => "`{text}` of `--columns` names no readings", "write one column, `NAME=displacement_mm` or `#1=deviation_um`; units are mm, um, in and uin";
     no_list_column(list, column) => "`{list}` has no column `{column}` with numbers", "name it as the file writes it, or by its number, `#1=…`";
     other_list(needs, list) => "the form {needs} list named as {list}", "a form of diagonals takes `--ppp`, `--npp`, `--pnp` and `--ppn`, one of an axis a single FILE";
-    other_captures(of, found, expected, what, help) => "the list of {of} gives {found} captures, expected {expected} as in the form: {what}", help;
+    other_captures(of, found, all, what, help) => "the list of {of} holds {found} values, expected {all} with `--captures cumulative`, one fewer with `incremental`: as stated, {what}", help;
     no_form(name) => "`{name}` is no form of readings", FORM;
     no_form_header() => "this is no header of a form of readings", FORM;
     filled_already() => "the form holds a value already, expected an empty cell", FORM;

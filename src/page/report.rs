@@ -165,7 +165,7 @@ impl Report<'_> {
             "logo": self.logo.as_deref().unwrap_or_default(),
             "unit": self.unit(),
             "running": self.running(),
-            "in_english": if self.is_own_language() { String::new() } else { self.t("in_english") },
+            "in_english": if self.is_as_said() { String::new() } else { self.t("in_english") },
             "title": self.t(if self.is_found() { "title_found" } else { "title" }),
             "machine": { "name": escaped(&self.job.machine.name) },
             "visit": self.visit(),
@@ -193,9 +193,9 @@ impl Report<'_> {
         if self.locale.texts.has(key) { self.t(key) } else { escaped(text) }
     }
 
-    /// Whether the program's own sentences are in the language of the page.
-    fn is_own_language(&self) -> bool {
-        self.locale.texts.language.starts_with("en")
+    /// Whether the page is in English, mm and µm, as the program's own sentences are.
+    fn is_as_said(&self) -> bool {
+        self.locale.either(self.locale.texts.language.starts_with("en"), false)
     }
 
     /// Machine and serial number, as the text of a style sheet.

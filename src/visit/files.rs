@@ -137,6 +137,7 @@ pub(crate) fn with_slashes(path: &Path) -> String {
 pub fn plain_words(error: &Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "it does not exist",
+        ErrorKind::AlreadyExists => "it exists, so it is not overwritten",
         ErrorKind::NotADirectory => "a part of its path is a file",
         ErrorKind::PermissionDenied => "permission denied",
         ErrorKind::StorageFull => "no space left",
@@ -282,7 +283,7 @@ impl Memory {
 }
 
 /// A path without `.`, and without what `..` takes back.
-fn plain(path: &Path) -> PathBuf {
+pub(crate) fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
         match part {

@@ -334,8 +334,9 @@ pub struct FigureMap {
 const WHOLE: f64 = 1e-6;
 
 fn windows(model: &VolumeModel, grid: &Grid, size_mm: PerAxis<f64>) -> Result<Windows, Problem> {
-    let fits = |nodes| Ok((nodes, nodes_of(nodes, size_mm)?));
-    let (nodes, counts) = fits(&grid.nodes).or_else(|_: Problem| fits(&grid.measured))?;
+    let fits = |nodes| Some((nodes, nodes_of(nodes, size_mm)?));
+    let found = fits(&grid.nodes).or_else(|| fits(&grid.measured));
+    let (nodes, counts) = found.ok_or_else(|| between_nodes(&grid.nodes, size_mm))?;
     let places_mm = PerAxis::from_fn(|axis| {
         let last = nodes[axis].len() + 1 - counts[axis];
         nodes[axis][..last].to_vec()
@@ -345,7 +346,7 @@ fn windows(model: &VolumeModel, grid: &Grid, size_mm: PerAxis<f64>) -> Result<Wi
     if count > MOST_WINDOWS {
         let message =
             format!("there are {count} sub-volumes of this size, more than {MOST_WINDOWS}");
-        return Err(Problem::new(message).help("choose fewer nodes with `--grid`, e.g. 41,41,41"));
+        return Err(Problem::new(message).help("choose fewer nodes with `--grid`"));
     }
     let map = model.map(nodes).ok_or_else(no_map)?;
     let size = map.vectors().along_chain([counts.x, counts.y, counts.z]);
@@ -369,34 +370,40 @@ fn windows(model: &VolumeModel, grid: &Grid, size_mm: PerAxis<f64>) -> Result<Wi
     })
 }
 
-fn nodes_of(nodes: &Nodes, size_mm: PerAxis<f64>) -> Result<PerAxis<usize>, Problem> {
-    let count = |axis| nodes_in(axis, &nodes[axis], size_mm[axis]);
-    Ok(PerAxis { x: count(Axis::X)?, y: count(Axis::Y)?, z: count(Axis::Z)? })
+/// Nodes of a sub-volume along each axis, its ends among them.
+fn nodes_of(nodes: &Nodes, size_mm: PerAxis<f64>) -> Option<PerAxis<usize>> {
+    let count = |axis| {
+        let own: &[f64] = &nodes[axis];
+        let step = (own[own.len() - 1] - own[0]) / (own.len() - 1) as f64;
+        let is_even = own.windows(2).all(|n| (n[1] - n[0] - step).abs() <= step * WHOLE);
+        whole(size_mm[axis] / step).filter(|_| is_even).map(|steps| steps + 1)
+    };
+    PerAxis::from_fn(count).all()
 }
 
-/// Nodes of a sub-volume along one axis, its ends among them.
-fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
-    let refused = |words: String| {
-        let help =
-            "choose `--grid` so that the size is a whole number of node distances, e.g. 21,21,21";
-        Err(Problem::new(words).help(help))
+/// So many node distances, if it is a whole number of them.
+fn whole(distances: f64) -> Option<usize> {
+    let whole = distances.round();
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "a larger number than of nodes fits nowhere"
+    )]
+    ((distances - whole).abs() <= WHOLE && whole >= 1.0).then_some(whole as usize)
+}
+
+/// With what to choose: the first numbers of nodes from 21 on that will do.
+fn between_nodes(nodes: &Nodes, size_mm: PerAxis<f64>) -> Problem {
+    let fitting = |axis: Axis| {
+        let part = size_mm[axis] / (nodes[axis].last()? - nodes[axis].first()?);
+        (21..=1001).find(|count| whole(part * f64::from(count - 1)).is_some())
     };
-    let steps = nodes.len() - 1;
-    let step = (nodes[steps] - nodes[0]) / steps.max(1) as f64;
-    let even = nodes.windows(2).all(|n| (n[1] - n[0] - step).abs() <= step * WHOLE);
-    if !even {
-        let words = format!("sub-volumes need equally spaced nodes, and those of {axis} are not");
-        return refused(words);
-    }
-    let wanted = size_mm / step;
-    let whole = wanted.round();
-    if (wanted - whole).abs() > WHOLE || whole < 1.0 {
-        return refused(format!(
-            "the sub-volume is {size_mm} mm long in {axis}, which is no whole number of node distances ({step} mm)"
-        ));
-    }
-    #[allow(clippy::cast_possible_truncation, reason = "whole, at most the number of nodes")]
-    Ok(whole as usize + 1)
+    let example = match Axis::ALL.map(fitting) {
+        [Some(x), Some(y), Some(z)] => format!(", e.g. {x},{y},{z}"),
+        _ => String::new(),
+    };
+    let PerAxis { x, y, z } = size_mm;
+    Problem::new(format!("{x} x {y} x {z} mm is no whole number of equal node distances"))
+        .help(format!("choose `--grid` so that every length of the sub-volume is one{example}"))
 }
 
 fn no_map() -> Problem {

@@ -58,6 +58,9 @@ fn filled(intake: &Intake<'_>, lists: &[List<'_>]) -> Option<String> {
     Some(text)
 }
 
+/// The value at which it shows that there are too few or too many, and the problem.
+type Off = (Option<usize>, Problem);
+
 /// A form while it is filled in.
 struct Form<'a> {
     header: Line<'a>,
@@ -152,8 +155,8 @@ impl<'a> Form<'a> {
         }
         let rows: Vec<&Row<'_>> = self.rows.iter().filter(|row| row.of == of).collect();
         if um.len() != rows.len() {
-            let (at, problem) = self.off(of, &rows, &um);
             let first = um.len() - captures.len();
+            let (at, problem) = self.off(of, &rows, &um, first);
             let capture = at.and_then(|at| captures.get(at.saturating_sub(first)));
             return Err(capture.map_or(problem.clone(), |(line, _)| problem.at(line.whole())));
         }
@@ -165,28 +168,24 @@ impl<'a> Form<'a> {
         Ok(())
     }
 
-    /// What is wrong with the number of values, and the value at which it shows.
-    fn off(&self, of: Option<Diagonal>, rows: &[&Row<'_>], um: &[f64]) -> (Option<usize>, Problem) {
-        let (found, expected) = (um.len(), rows.len());
-        let walk = self.expected(rows);
-        let name = |place: usize| rows.get(place).map_or(String::new(), |row| self.name(row));
-        let value = |place: usize| {
-            format!("value {}, at {}", place + 1, name(place.min(expected.saturating_sub(1))))
-        };
-        let (what, (at, help)) = match found.abs_diff(expected) {
+    /// What is wrong with the number of values, the `first` of which are not in the list.
+    fn off(&self, of: Option<Diagonal>, rows: &[&Row<'_>], um: &[f64], first: usize) -> Off {
+        let (found, expected, walk) = (um.len(), rows.len(), self.expected(rows));
+        let row = |place: usize| rows.get(place).or(rows.last());
+        let name = |place| row(place).map_or(String::new(), |row| self.name(row));
+        let value = |at: usize| format!("value {} ({})", (at + 1 - first).max(1), name(at));
+        let off = found.abs_diff(expected);
+        let what = format!("{off} {}", if found < expected { "missing" } else { "too many" });
+        let (at, help) = match off {
             1 if found < expected => {
                 let (at, help) = told(walk.missing(um), name);
-                ("one is missing".to_string(), (at.map(|at| at.saturating_sub(1)), help))
+                (at.map(|at| at.saturating_sub(1)), help)
             }
-            1 => ("one is too many".to_string(), told(walk.surplus(um), value)),
-            many => {
-                let what = if found < expected { "missing" } else { "too many" };
-                let help = "only a single one can be located: measure this set-up again, and look at `--captures`";
-                (format!("{many} are {what}"), (None, help.to_string()))
-            }
+            1 => told(walk.surplus(um), value),
+            _ => (None, format!("only one can be located; {AGAIN}")),
         };
         let of = of.map_or("the axis".to_string(), |diagonal| diagonal.to_string());
-        (at, refusals::other_captures(of, found, expected, what, help))
+        (at, refusals::other_captures(of, found - first, expected, what, help))
     }
 
     /// A capture, as a person finds it in the form.
@@ -237,6 +236,8 @@ impl<'a> Form<'a> {
     }
 }
 
+/// What comes before another measurement.
+const AGAIN: &str = "nothing is filled in or left out: look at `--captures` and at both ends of the list before you measure this set-up again";
 /// Odds beyond which nobody needs the figure.
 const CERTAIN: f64 = 1e9;
 /// Places that are named one by one; of more the first and the last are.
@@ -246,7 +247,6 @@ const MOST_TOLD: usize = 24;
 
 /// Where it is, with its odds, in words.
 fn told(located: Option<Located>, name: impl Fn(usize) -> String) -> (Option<usize>, String) {
-    const AGAIN: &str = "nothing is filled in or left out: measure this set-up again";
     let Some(Located { places, odds }) = located else {
         return (None, format!("the values are too few to tell which; {AGAIN}"));
     };
@@ -254,7 +254,7 @@ fn told(located: Option<Located>, name: impl Fn(usize) -> String) -> (Option<usi
     let first = places.iter().copied().min().unwrap_or_default();
     let last = places.iter().copied().max().unwrap_or_default();
     if count > MOST_TOLD || last - first > 2 * count {
-        return (None, format!("which cannot be told, {count} places fit about equally; {AGAIN}"));
+        return (None, format!("{count} places fit about equally; {AGAIN}"));
     }
     let names = match count > MOST_NAMED {
         true => format!("one of {count} from {} to {}", name(first), name(last)),

@@ -35,8 +35,8 @@ pub enum RestsOn {
     Between {
         /// As stated; 0 = not stated.
         periodic_um: f64,
-        /// Which axis, which pitches.
-        hidden: String,
+        /// The part of each axis, which tells the pitches.
+        ranges: Vec<JudgedRange>,
     },
     /// All was measured in this direction only.
     OneWay(Direction),
@@ -154,7 +154,7 @@ impl Forecast {
             Some(RestsOn::Ranges(self.ranges.clone())),
             Some(RestsOn::Between {
                 periodic_um: job.measurement.uncertainty.between_um(),
-                hidden: share::hidden_pitches(&self.ranges),
+                ranges: self.ranges.clone(),
             }),
             self.directions(),
             self.without_u(),
@@ -237,13 +237,13 @@ impl fmt::Display for RestsOn {
             RestsOn::Between { periodic_um, .. } if *periodic_um > 0.0 => {
                 write!(out, "{periodic_um:.3} µm added for errors between targets (periodic_um)")
             }
-            RestsOn::Between { hidden, .. } if hidden.is_empty() => {
-                out.write_str("errors between targets were not seen")
+            RestsOn::Between { ranges, .. } => {
+                out.write_str("errors between targets were not seen")?;
+                match JudgedRange::hidden_pitches(ranges, (1.0, "mm")).as_str() {
+                    "" => Ok(()),
+                    hidden => write!(out, "; target spacing is a multiple of pitch {hidden}"),
+                }
             }
-            RestsOn::Between { hidden, .. } => write!(
-                out,
-                "errors between targets were not seen; target spacing is a multiple of pitch {hidden}"
-            ),
             RestsOn::OneWay(way) => write!(out, "moving {way} only"),
             RestsOn::ReversalNotCounted => out.write_str("reversal measured, but not counted"),
             RestsOn::NoReversal(terms) => write!(out, "reversal{} not measured", of(terms)),

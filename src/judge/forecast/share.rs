@@ -82,19 +82,30 @@ impl JudgedRange {
         let (from, to) = (self.measured.0.mm(), self.measured.1.mm());
         let (low, high) = (self.judged.0.mm(), self.judged.1.mm());
         let (axis, key) = (self.axis, self.axis.key());
-        let (what, help) = match self.is_stated {
-            true => ("of the range to be judged", "measure the rest".to_string()),
-            false => (
-                "of its travel",
-                format!(
-                    "measure the rest, or state the range to be judged in [acceptance], e.g. `range_mm = {{ {key} = [{from}, {to}] }}`"
-                ),
+        let what = if self.is_stated { "of the range to be judged" } else { "of its travel" };
+        // What was measured is known by itself where none of its gaps is too wide for it.
+        let help = match self.is_stated || self.gap_mm > WIDEST_GAP * ROUNDING * (to - from) {
+            true => "measure the rest".to_string(),
+            false => format!(
+                "measure the rest, or state the range to be judged in [acceptance], e.g. `range_mm = {{ {key} = [{from}, {to}] }}`"
             ),
         };
         let (gap, share) = (Figure(self.gap_mm).trimmed(3), percent(self.share));
         format!(
             "{axis} was measured from {from} to {to} mm with a target spacing of up to {gap} mm, {share} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}"
         )
+    }
+
+    /// Pitches at which the target spacing hides a periodic error: `5, 10 mm (X); 6 mm (YZ)`; empty = none.
+    pub(crate) fn hidden_pitches(ranges: &[Self], (each, unit): (f64, &str)) -> String {
+        let of = |alike: &[Self]| {
+            let hidden = USUAL_MM.iter().zip(alike[0].unseen).filter(|(_, unseen)| *unseen);
+            let hidden = joined(hidden.map(|(mm, _)| Figure(mm * each).trimmed(4)));
+            let axes: Vec<Axis> = alike.iter().map(|range| range.axis).collect();
+            (!hidden.is_empty()).then(|| format!("{hidden} {unit} ({})", Axis::letters(&axes)))
+        };
+        let alike = ranges.chunk_by(|a, b| a.unseen == b.unseen);
+        alike.filter_map(of).collect::<Vec<String>>().join("; ")
     }
 
     /// Whether the whole of it was measured.
@@ -108,17 +119,6 @@ fn percent(share: f64) -> String {
         small if small > 0.0 && small < 1.0 => "less than 1 %".to_string(),
         percent => format!("{percent:.0} %"),
     }
-}
-
-/// Pitches at which the target spacing hides a periodic error: `5, 10 mm (X); 6 mm (YZ)`; empty = none.
-pub(super) fn hidden_pitches(ranges: &[JudgedRange]) -> String {
-    let of = |alike: &[JudgedRange]| {
-        let hidden = USUAL_MM.iter().zip(alike[0].unseen).filter(|(_, unseen)| *unseen);
-        let hidden = joined(hidden.map(|(mm, _)| mm));
-        let axes: Vec<Axis> = alike.iter().map(|range| range.axis).collect();
-        (!hidden.is_empty()).then(|| format!("{hidden} mm ({})", Axis::letters(&axes)))
-    };
-    ranges.chunk_by(|a, b| a.unseen == b.unseen).filter_map(of).collect::<Vec<String>>().join("; ")
 }
 
 /// Largest distance of two neighbouring places on any axis, mm.
@@ -187,5 +187,24 @@ impl<'a> Machine<'a> {
     ) -> Option<(&'a ErrorCurve, &'a ErrorCurve)> {
         let of = |model: &'a ErrorModel| model.terms[term].as_ref()?.measured.curve(direction);
         Some((of(self.as_measured)?, of(self.uncompensated)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_is_proposed_where_what_was_measured_would_be_known_by_itself() {
+        let range = |from, to| (Millimetres::new(from), Millimetres::new(to));
+        let proposed = |to, gap_mm| {
+            let (judged, measured) = (range(0.0, 400.0), range(0.0, to));
+            let unseen = [false; USUAL_MM.len()];
+            let (axis, is_stated, share) = (Axis::X, false, 0.0);
+            let of = JudgedRange { axis, judged, is_stated, measured, share, gap_mm, unseen };
+            of.missing().contains("range_mm")
+        };
+        assert!(proposed(300.0, 150.0) && !proposed(300.0, 200.0));
+        assert!(!proposed(400.0, 400.0), "it is the one that is judged");
     }
 }

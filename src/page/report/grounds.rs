@@ -1,6 +1,6 @@
 //! The verdict in the reader's language and unit, made from its facts: the limits, what it rests on, what does
-//! not keep a limit. Sentences of the program stand on the first page where its language is the reader's; elsewhere a
-//! line says how many there are, and in which part.
+//! not keep a limit. Sentences of the program stand on the first page where its language and unit are the reader's;
+//! elsewhere a line says how many there are, and in which part.
 
 use super::{Kind, Report};
 use crate::inputs::error_table::Cause;
@@ -65,9 +65,11 @@ impl Report<'_> {
             RestsOn::Between { periodic_um, .. } if *periodic_um > 0.0 => {
                 self.fill("between_added", [("um", self.length(*periodic_um))])
             }
-            RestsOn::Between { hidden, .. } if hidden.is_empty() => self.t("between"),
-            RestsOn::Between { hidden, .. } => {
-                self.fill("between_hidden", [("pitches", hidden.clone())])
+            RestsOn::Between { ranges, .. } => {
+                let mm = self.locale.mm();
+                let pitches = JudgedRange::hidden_pitches(ranges, (mm.each, mm.sign));
+                let key = if pitches.is_empty() { "between" } else { "between_hidden" };
+                self.fill(key, [("pitches", self.locale.decimal(&pitches))])
             }
             RestsOn::OneWay(way) => {
                 self.fill("one_way", [("way", way.symbol().replace('-', "\u{2212}"))])
@@ -202,7 +204,7 @@ impl Report<'_> {
         }
         let facts = [("count", sentences.len().to_string()), ("part", self.link("findings"))];
         let line = self.fill(key, facts);
-        let shown = if self.is_own_language() { MOST } else { 0 };
+        let shown = if self.is_as_said() { MOST } else { 0 };
         let line = (sentences.len() > shown).then_some(line);
         sentences.iter().take(shown).map(|words| escaped(words)).chain(line).collect()
     }

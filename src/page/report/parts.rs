@@ -68,10 +68,6 @@ impl Table {
         let rows = rows.into_iter().map(|cells| Row { cells });
         Table { head, rows: rows.collect(), is_words, is_english: false }
     }
-
-    fn in_english(self) -> Table {
-        Table { is_english: true, ..self }
-    }
 }
 
 /// A line of a table: what it is of, then its figures.
@@ -203,7 +199,7 @@ impl Report<'_> {
         });
         let head = ["file", "role", "bytes", "sha256"].map(|key| self.t(key));
         let files = Table::new(head.to_vec(), files, true);
-        Part { tables: vec![placed.in_english(), files], ..self.part("tables") }
+        Part { tables: vec![placed, files], ..self.part("tables") }
     }
 
     /// The entries of a list, two of their texts each.
@@ -254,7 +250,8 @@ impl Report<'_> {
             vec![fact, escaped(&assumed.consequence)]
         });
         let head = vec![String::new(), self.t("if_wrong")];
-        Part { tables: vec![Table::new(head, rows, true).in_english()], ..self.part("assumptions") }
+        let table = Table { is_english: true, ..Table::new(head, rows, true) };
+        Part { tables: vec![table], ..self.part("assumptions") }
     }
 
     fn undo(&self) -> Part {

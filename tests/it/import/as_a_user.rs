@@ -102,9 +102,9 @@ fn a_column_for_each_run_is_understood() {
         import(&format!("--yes {PLACED} --sign as-correction")).says("contradicts the file");
         import(&format!("--yes {}", PLACED.replace("EXX", "EYX"))).says("which only positioning");
         let told = import(PLACED).ends(2).says("confirmed: --columns \"").err;
-        let (_, command) = told.split_once("in full: ").unwrap();
-        let command = command.replace("=up1_mm", "=up1_actual_mm").replacen("nonius", "$N", 1);
-        visit.shell(&format!("{} --force", command.trim())).ends(0);
+        let (_, understood) = told.split_once("confirmed: ").unwrap();
+        let stated = understood.lines().next().unwrap().replace("=up1_mm", "=up1_actual_mm");
+        visit.shell(&format!("$N import {name} {PLACED} {stated} -o errors.csv --force")).ends(0);
         import(&format!("{PLACED} --yes")).ends(0).says("understood from the file and confirmed");
         assert_eq!(rows(&visit.read("errors.csv")), rows(&visit.read("e.csv")));
         // 12.3000, 12.2991, 12.2994, 12.3004 and 12.2999 at target 12.3.
