@@ -13,14 +13,14 @@ use crate::judge::conformity::Verdict;
 use crate::judge::disagreement::{compare, contents};
 use crate::judge::family::Before;
 use crate::judge::field::Field;
-use crate::judge::findings::{InControl, not_emulated};
+use crate::judge::findings::{Difference, InControl, listed, not_emulated};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::findings::KitFinding;
 use crate::kit::inputs::{Asked, Inputs, cannot_emulate, judged};
 use crate::quantity::{Axis, rounded};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::{ReadBack, emulator, read, unread};
-use crate::text::{Finding, Problem, Problems, Severity, of_severity};
+use crate::read::{Around, ReadBack, around, emulator, read, unread};
+use crate::text::{Finding, Problem, Problems, Severity, of_severity, shown};
 use crate::write::compensation::Compiled;
 use crate::write::emit;
 use crate::write::plan::{Plan, Task};
@@ -65,7 +65,10 @@ impl<'a> Loaded<'a> {
         named: Option<&Value>,
     ) -> Result<Loaded<'a>, Problems> {
         let outside = loaded_state(&asked, named);
-        Loaded::files(asked, files, outside)
+        let mut loaded = Loaded::files(asked, files, outside)?;
+        let files = files.iter().map(|file| (file.path.as_str(), &*file.bytes));
+        loaded.findings.extend(differs_around(&loaded.asked, files)?);
+        Ok(loaded)
     }
 
     /// The files that were made for the job, in the control that it describes.
@@ -123,6 +126,8 @@ impl<'a> Loaded<'a> {
             Err(reason) => findings.push(not_emulated(reason)),
         }
         findings.extend(of_state);
+        let files = active.files.iter().map(|(name, bytes)| (name.as_str(), &**bytes));
+        findings.extend(differs_around(&asked, files)?);
         let control = with(&active.tables, &state);
         Ok(Loaded::with(asked, active.tables.clone(), (state, findings), control))
     }
@@ -184,6 +189,34 @@ fn differences(asked: &Asked<'_>, read: &ReadBack) -> (Vec<Finding>, Emulated<Bo
     };
     findings.extend(contents(diagnosis.as_ref()));
     (findings, found)
+}
+
+/// Text around values that the files of the job do not have, or have alone: what it does is not emulated. A file without
+/// any line for an axis lacks a table, which is told as such.
+fn differs_around<'a>(
+    asked: &Asked<'_>,
+    files: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> Result<Vec<Finding>, Problems> {
+    let profile = &asked.inputs.profile;
+    let found = around(profile, files);
+    if found.is_empty() {
+        return Ok(Vec::new());
+    }
+    let own = emit::render(asked.inputs.task(), &asked.compiled)?;
+    let own = around(profile, own.iter().map(|file| (file.path.as_str(), &*file.bytes)));
+    let alone = |one: &Around, other: &Around, always: bool| {
+        let is_there = |at, axes: &_| other.keys().any(|own| own.0 == at && own.1 == *axes);
+        let alone = one.iter().filter(|(key, _)| !other.contains_key(key));
+        let alone =
+            alone.filter(|((at, axes, _), _)| always && axes.is_none() || is_there(*at, axes));
+        let lines: Vec<String> = alone.map(|(_, line)| format!("`{}`", shown(line))).collect();
+        (!lines.is_empty()).then(|| (listed(&lines), lines.len()))
+    };
+    let missing = alone(&own, &found, true);
+    let missing = missing.map(|(what, items)| Difference::Missing { what, items }.into());
+    let surplus = alone(&found, &own, false);
+    let surplus = surplus.map(|(what, items)| Difference::Surplus { what, items }.into());
+    Ok(missing.into_iter().chain(surplus).collect())
 }
 
 /// The state of a control, and what is to be said of it.

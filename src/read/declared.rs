@@ -22,10 +22,11 @@ use crate::control::controller::{
 };
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{Family, ReadBack};
+use crate::read::family::{Around, Family, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::{generic, listed};
 use crate::text::{Problem, Problems, shown};
+use std::cmp::Reverse;
 use std::ops::Range;
 
 impl Family for DeclaredFacts {
@@ -55,11 +56,43 @@ impl Family for DeclaredFacts {
         lines(text).any(|span| is_taken(&text[span]))
     }
 
+    /// Of a file that is whole configuration nothing: it has another layout each time it was saved.
+    fn around(&self, text: &str) -> Around {
+        let mut all = Around::new();
+        for line in lines(text).filter(|_| !self.has(Field::Set)).map(|span| &text[span]) {
+            let mut patterns = self.lines.value.iter().enumerate();
+            let taken = patterns.find_map(|(at, own)| Some((at, own, own.take(line)?)));
+            let Some((at, pattern, said)) = taken.filter(|_| !self.is_comment(line)) else {
+                continue;
+            };
+            let (mut axes, mut rest) = (String::new(), line.to_ascii_uppercase());
+            let mut parts = said.concat();
+            parts.sort_by_key(|(_, part)| Reverse(part.start));
+            for (field, part) in parts {
+                if matches!(field, Field::Axis | Field::Base | Field::Output) {
+                    axes = format!("{} {axes}", &rest[part.clone()]);
+                }
+                rest.replace_range(part, "");
+            }
+            rest.retain(|c| !c.is_whitespace());
+            let axes = pattern.fields().next().map(|_| axes);
+            all.entry((at, axes, rest)).or_insert_with(|| line.trim().to_string());
+        }
+        all
+    }
+
     /// One with a line that only such a file has.
     fn is_whole(&self, text: &str) -> bool {
         let says = |line: &str| self.lines.value.iter().find(|own| own.take(line).is_some());
         let is_whole = |own: &Pattern| own.fields().any(|field| field == Field::Whole);
         self.has(Field::Whole) && lines(text).any(|span| says(&text[span]).is_some_and(is_whole))
+    }
+}
+
+impl DeclaredFacts {
+    fn is_comment(&self, line: &str) -> bool {
+        let Comments::From(sign) = &self.comments.value else { return false };
+        line.trim_start().starts_with(sign.as_str())
     }
 }
 
@@ -228,10 +261,7 @@ impl Reading<'_> {
 
     fn line(&mut self, text: &str, span: Range<usize>) {
         let line = &text[span.clone()];
-        let is_comment = match &self.facts.comments.value {
-            Comments::From(sign) => line.trim_start().starts_with(sign.as_str()),
-            _ => false,
-        };
+        let is_comment = self.facts.is_comment(line);
         if line.trim().is_empty() {
             return;
         }

@@ -13,6 +13,7 @@ use crate::read::findings::ReadFinding;
 use crate::text::{Finding, Problem, Problems, joined, shown};
 use encoding_rs::UTF_16LE;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// A family of controls; the facts of its profiles implement it, in its folder.
 pub(crate) trait Family {
@@ -33,6 +34,11 @@ pub(crate) trait Family {
     /// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
     fn may_obey(&self, text: &str) -> bool;
 
+    /// What a text says around the values that are read from it; nothing where every word of a file is read.
+    fn around(&self, _text: &str) -> Around {
+        Around::new()
+    }
+
     /// Whether a text was read out of the control as a whole: what a kit writes is of concern throughout.
     fn is_whole(&self, _text: &str) -> bool {
         false
@@ -42,6 +48,22 @@ pub(crate) trait Family {
     fn refusal(&self, _name: &str, _bytes: &[u8]) -> Option<Problem> {
         None
     }
+}
+
+/// Lines by what they say around values: which pattern takes them, the axes that its fields name (`None` = it has no
+/// field), and the rest without blanks.
+pub(crate) type Around = BTreeMap<(usize, Option<String>, String), String>;
+
+/// The same of the files that a control loads together.
+pub(crate) fn around<'a>(
+    profile: &Profile,
+    files: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> Around {
+    let is_apart = |role: Role| !role.is_read_back() || role.stands_apart();
+    let own = |name: &str| profile.file(file_name(name)).is_some_and(|own| is_apart(own.role));
+    let texts = files.filter(|(name, _)| !own(name));
+    let texts = texts.filter_map(|(_, bytes)| text(profile, bytes));
+    texts.flat_map(|text| family(&profile.dialect).around(&text)).collect()
 }
 
 /// The family of a profile.

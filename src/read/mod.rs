@@ -20,8 +20,8 @@ mod listed;
 pub mod program;
 pub mod siemens;
 
+pub(crate) use self::family::{Around, around, file_name, load, may_be_meant_for, unread};
 pub use self::family::{
     FileData, ReadBack, check_examples, emulator, is_whole, read, read_apart, read_out_text,
 };
-pub(crate) use self::family::{file_name, load, may_be_meant_for, unread};
 pub(crate) use self::findings::ReadFinding;

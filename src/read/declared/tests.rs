@@ -108,6 +108,52 @@ fn fields_of_a_point_stand_in_several_lines() {
     }
 }
 
+#[test]
+fn what_a_file_says_twice_is_the_same() {
+    let text = "kopf.achs_nr 1\nkw.ssfk.kw_startpos 5\nkw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg 0\n\
+                kw.ssfk.table[1].setpoint 9\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n";
+    let facts = facts_of("isg-axis");
+    assert!(read(&[("a.lis", text)], &facts).is_ok());
+    let words = refused(&facts, &text.replace("startpos 5", "startpos 1000000"));
+    assert!(words.contains("file.dat:2:21"), "{words}");
+    assert!(words.contains("the file says 1000000 here, its points make it 5"), "{words}");
+}
+
+#[test]
+fn nothing_changes_before_the_first_point() {
+    let lines = r"['AXIS (?<axis>[XYZ])', '(?<position>\S+) (?<value>\S+)']";
+    let facts = own(&[
+        ("lines", lines),
+        ("value_form", "\"increment\""),
+        ("backlash", "\"adds\""),
+        ("comments", "false"),
+    ]);
+    let facts = facts.unwrap();
+    let text = "AXIS X\n0 0\n100 7\n";
+    assert!(read(&[("a.txt", text)], &facts).is_ok());
+    let words = refused(&facts, &text.replace("0 0", "0 7"));
+    assert!(words.contains("file.dat:2:1"), "{words}");
+    assert!(words.contains("the first increment of the table of X is 7, expected 0"), "{words}");
+}
+
+/// What no value is taken from: blanks, numbers, comments and the order of lines do not count, axes and words do.
+#[test]
+fn text_around_values_is_kept() {
+    let around = |profile: &str, text: &str| facts_of(profile).around(text);
+    let acs = "! made\nMFLAGS(1).#DEFCON = 0\nDEPENDS 0,(0,1)\nSTOP\n";
+    let same = "STOP\nSTOP\nDEPENDS 0,(0,1)\nMFLAGS(1).#DEFCON = 0\n! other";
+    assert_eq!(around("acs-spiiplus", acs), around("acs-spiiplus", same));
+    for (from, to) in [("(1)", "(5)"), ("(0,1)", "(0)"), ("STOP\n", "")] {
+        let keys = |text: &str| around("acs-spiiplus", text).into_keys().collect::<Vec<_>>();
+        assert_ne!(keys(acs), keys(&acs.replace(from, to)), "{from}");
+    }
+    let point = "P001 X 0.0 EX 0.001 EX 0.002";
+    let of = |text: &str| around("fagor-8055", text).into_keys().collect::<Vec<_>>();
+    assert_eq!(of(point), of("P003 X 7.5 EX -1 EX +2.0"));
+    assert_ne!(of(point), of("P001 X 0.0 EX 0.001 EY 0.002"));
+    assert!(around("klipper-skew", "[skew_correction a]\nxy_skew = 0\n").is_empty());
+}
+
 /// The first position and the distance; the name of the file says the axis.
 #[test]
 fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
@@ -187,6 +233,8 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
         assert!(words.contains(says), "{fact} = {value}\n{words}");
         assert!(words.contains("own.toml:"), "{fact} = {value}\n{words}");
     }
+    let words = own(&[("cross_terms", "1")]).unwrap_err().render();
+    assert!(words.contains("two columns of a table that follows another axis"), "{words}");
 }
 
 fn klipper() -> DeclaredFacts {
@@ -221,12 +269,17 @@ fn a_saved_set_of_factors_is_read() {
 fn a_format_that_has_a_rule_takes_no_fact_against_it() {
     for (below, facts) in [
         ("generic", ["own_sign", "cross_sign", "value_size", "value_form"]),
-        ("klipper-skew", ["own_sign", "points", "value_size", "value_form"]),
+        ("klipper-skew", ["own_sign", "points", "value_size", "value_unit"]),
     ] {
         assert!(on_top_of(below, &[]).is_ok());
         for fact in facts {
             let words = on_top_of(below, &[(fact, "\"as_error\"")]).unwrap_err().render();
-            assert!(words.contains(&format!("unknown key `{fact}`")), "{below}: {words}");
+            assert_eq!(words.matches("problem: ").count(), 1, "{below}: {words}");
+            let says = match (below, fact) {
+                ("klipper-skew", "own_sign") => "one excludes the other".to_string(),
+                _ => format!("unknown key `{fact}`"),
+            };
+            assert!(words.contains(&says), "{below}: {words}");
         }
     }
 }
