@@ -142,7 +142,7 @@ fn check_backlash(
             problems.push(problem(
                 job,
                 format!("the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"),
-                "read it out too (MD32450, 1851, BACKLASH), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]",
+                "name a file that holds it, or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]",
             ));
         }
     }
