@@ -232,7 +232,13 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
     let (profile, _) = profile(files, &reference, Path::new(""))?;
     let sample = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes());
     let job = Job::read(sample("sample job", SAMPLE_JOB)?)?;
-    let table = ErrorTable::read(sample("sample errors", SAMPLE_ERRORS)?)?;
+    let share = (profile.largest_um() / LARGEST_SAMPLE_UM).min(1.0);
+    let row = |(at, [ex, ey, ez]): &(&str, [f64; 3])| {
+        format!("{at},{},{},{}\n", ex * share, ey * share, ez * share)
+    };
+    let rows: String = SAMPLE_ERRORS.iter().map(row).collect();
+    let heading = "axis,direction,position_mm,ex_um,ey_um,ez_um\n";
+    let table = ErrorTable::read(sample("sample errors", &format!("{heading}{rows}"))?)?;
     if profile.program.is_some() {
         program_kit::make(&job, &profile, &[])?;
     }
@@ -276,13 +282,16 @@ axes.y = { points = 5, detection_unit_um = 1 }
 axes.z = { points = 5, detection_unit_um = 1 }
 "#;
 
-const SAMPLE_ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um,direction
-x,0,0,0,0,+
-x,200,4,2,-2,+
-x,0,3,1,0,-
-x,200,7,3,-2,-
-y,0,0,0,0,
-y,200,2,-4,2,
-z,-200,2,2,4,
-z,0,0,0,0,
-";
+/// More than any sample error: their largest table is within what the control takes.
+const LARGEST_SAMPLE_UM: f64 = 8.0;
+
+const SAMPLE_ERRORS: [(&str, [f64; 3]); 8] = [
+    ("x,+,0", [0.0, 0.0, 0.0]),
+    ("x,+,200", [4.0, 2.0, -2.0]),
+    ("x,-,0", [3.0, 1.0, 0.0]),
+    ("x,-,200", [7.0, 3.0, -2.0]),
+    ("y,,0", [0.0, 0.0, 0.0]),
+    ("y,,200", [2.0, -4.0, 2.0]),
+    ("z,,-200", [2.0, 2.0, 4.0]),
+    ("z,,0", [0.0, 0.0, 0.0]),
+];

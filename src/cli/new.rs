@@ -4,11 +4,11 @@ use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
 use crate::control::controller::{ControlUnit, Profile};
 use crate::inputs::job::{Job, MeasuredData, UseOf};
-use crate::judge::active::{ReadOutFor, from_read_out};
+use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::judge::findings::InControl;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
-use crate::quantity::{Figure, MM_PER_INCH, PerAxis};
+use crate::quantity::{Figure, MM_PER_INCH, PerAxis, rounded};
 use crate::text::{Finding, LONGEST_MM, Problem, Problems, Severity, joined};
 use crate::visit::files::{Files, Kind, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
@@ -59,7 +59,7 @@ fn ends(text: &str) -> Result<Ends, String> {
     let (low, high) = text.split_once(':').unwrap_or(("0", text));
     let (high, mm) =
         high.trim().strip_suffix("in").map_or((high, 1.0), |inches| (inches, MM_PER_INCH));
-    let number = |text: &str| Some(mm * text.trim().parse::<f64>().ok()?);
+    let number = |text: &str| Some(rounded(mm * text.trim().parse::<f64>().ok()?, 9));
     let ends = number(low).zip(number(high));
     let is_travel =
         |(low, high): &(f64, f64)| low < high && low.abs().max(high.abs()) <= LONGEST_MM;
@@ -152,7 +152,7 @@ fn again(
     let kit = read_out.map_or_else(|| folder.join(KIT), Path::to_path_buf);
     let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
     let held = read_out.map(|path| held(files, job, &profile, path, &mut words)).transpose()?;
-    let held = held.unwrap_or_default();
+    let (held, lacks_backlash) = held.unwrap_or_default();
     let is_kit = read_out.is_some() || files.is(Kind::File, &kit.join(MANIFEST));
     let place = ["first_table", "first_set"].into_iter();
     let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
@@ -167,35 +167,37 @@ fn again(
         (true, None) => format!("the new tables replace those of {name}"),
     });
     let kit = if is_kit { inside(&kit, directory) } else { String::new() };
-    let earlier = Earlier { job, measured, place, kit, held };
+    let mut keys = profile.job_keys.iter().filter(|key| lacks_backlash && key.example.is_none());
+    let backlash = keys.find(|key| key.key == "active_backlash_um");
+    let earlier = Earlier { job, measured, place, backlash, kit, held };
     let begun = earlier.again(|path| inside(&folder.join(path), directory))?;
     Ok((profile, begun, words))
 }
 
-/// What was read out of the control for keys of the job that state something else; said are these, and whatever
-/// else contradicts the job.
+/// What was read out of the control for keys of the job that state something else, and whether no file can hold a
+/// backlash parameter; said are these keys, and whatever else contradicts the job.
 fn held(
     files: &dyn Files,
     job: &Job,
     profile: &Profile,
     path: &Path,
     words: &mut Vec<String>,
-) -> Result<Vec<(String, String)>, Problems> {
+) -> Result<(Vec<(String, String)>, bool), Problems> {
     let (name, names) = (printed(path), axis_names(job, profile)?);
     let key = |finding: &Finding| finding.kind().and_then(|kind: &InControl| kind.key(&names));
-    let findings = |job: &Job| {
+    let read = |job: &Job| {
         let help = "name a file or a directory read out of the control";
         let (_, found) = of_control(files, path, &name, help)?;
-        Ok::<_, Problems>(from_read_out(job, profile, &name, found, ReadOutFor::Judging)?.findings)
+        from_read_out(job, profile, &name, found, ReadOutFor::Judging)
     };
-    let mut found = findings(job)?;
+    let ActiveControl { findings: mut found, held_backlash, .. } = read(job)?;
     // All else counts in the unit of the control.
     let is_unit = |of: &Finding| key(of).is_some_and(|(key, _)| key == "compensation.control_unit");
     if let Some(unit) = found.iter().find(|of| is_unit(of)).cloned() {
         let mut other = job.clone();
         let is_inch = job.compensation.control_unit == ControlUnit::Inch;
         other.compensation.control_unit = ControlUnit::of_metric(f64::from(u8::from(is_inch)));
-        found = findings(&other)?;
+        found = read(&other)?.findings;
         found.insert(0, unit);
     }
     let mut held: Vec<(String, String)> = Vec::new();
@@ -212,7 +214,7 @@ fn held(
             None => {}
         }
     }
-    Ok(held)
+    Ok((held, held_backlash.is_empty()))
 }
 
 /// What a length was taken for: where an axis counts from elsewhere, every position would be another one.

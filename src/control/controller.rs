@@ -29,7 +29,7 @@ pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, KitFile, Template};
 pub(crate) use self::form::Listed;
-pub use self::form::{Form, Order, Rounding, Size, ValueForm};
+pub use self::form::{Form, Order, Size, ValueForm};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub(crate) use self::linuxcnc::MOST_JOINTS;
 pub use self::linuxcnc::{Columns, CrossTerms, LinuxcncFacts};
@@ -125,6 +125,8 @@ section! {
         pub key: String = text(), must "a key of a job";
         /// What an optional key may hold, as it is written; `None` = the job has to state it.
         pub example: Option<String> = text();
+        /// What every job of the control has for it, as it is written.
+        pub value: Option<String> = text();
         /// What to write, and where it is read on the control.
         pub text: String = text(), must "what to write, and where the control shows it";
         /// How well that is known.

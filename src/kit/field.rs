@@ -25,7 +25,7 @@ use crate::kit::loaded::Made;
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
 use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::read::{ReadBack, emulator, read_apart};
-use crate::text::{BLANK, BOX, Finding, Problems, grouped};
+use crate::text::{BLANK, BOX, Finding, Problems, grouped, joined};
 use crate::write::compensation::{Compiled, displayed, uses};
 use crate::write::emit::{self, Emitted, Words};
 use crate::write::findings::TableFinding;
@@ -96,9 +96,19 @@ pub(super) fn differences(asked: &Asked<'_>, files: &[KitFile]) -> Result<Vec<Fi
     if !proved.is_empty() {
         let wanted = sign_proofs(inputs.task(), &asked.plan, &asked.compiled).proofs;
         for (mechanism, files) in proved {
-            let read = read_apart(&inputs.profile, &files, Role::SignProof)?;
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
-            let file = files.iter().map(|file| file.path.as_str()).collect::<Vec<_>>().join("`, `");
+            let own = proof.map(|proof| proofs::files_of(inputs.task(), &asked.compiled, proof));
+            let mut lacking = own.transpose()?.unwrap_or_default();
+            lacking
+                .retain(|own| !files.iter().any(|file| file.path.eq_ignore_ascii_case(&own.path)));
+            let named =
+                |files: &[KitFile]| joined(files.iter().map(|file| format!("`{}`", file.path)));
+            let file = named(&files);
+            if !lacking.is_empty() {
+                let lacking = named(&lacking);
+                found.push(FieldFault::PartOfProof { file: file.clone(), lacking }.into());
+            }
+            let read = read_apart(&inputs.profile, &[files, lacking].concat(), Role::SignProof)?;
             let sets_data = read.machine_data.iter().any(|file| !file.data.is_empty());
             if sets_data || proof.is_none_or(|p| p.tables != read.tables) {
                 found.push(FieldFault::OtherProof { file: file.clone() }.into());

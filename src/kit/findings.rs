@@ -31,8 +31,9 @@ findings! {
 findings! {
     /// How files that stand apart from the tables differ from those of the job.
     FieldFault {
-        OtherProof { file: String } => Disagreement, "`{file}` is not the sign proof of this job: it holds other values";
-        NotWritten { file: String, parameter: String } => Disagreement, "`{file}` does not write {parameter}: the control keeps what it holds there";
+        OtherProof { file: String } => Disagreement, "{file}: other values than those of the sign proof of this job";
+        PartOfProof { file: String, lacking: String } => Disagreement, "the sign proof of this job is not whole: {file} without {lacking}";
+        NotWritten { file: String, parameter: String } => Disagreement, "{file} does not write {parameter}: the control keeps what it holds there";
         OtherRollback => Disagreement, "the rollback files do not hold what `active_while_measuring` names as read out of the control";
     }
 }

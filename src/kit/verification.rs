@@ -248,7 +248,7 @@ fn doubts_of(verification: &Verification<'_>, comparison: &Comparison) -> Vec<Fi
 
 #[cfg(test)]
 mod tests {
-    use super::{Inputs, forecast};
+    use super::{Inputs, KitFile, forecast, verify};
     use crate::control::controller::builtin;
     use crate::inputs::error_table::ErrorTable;
     use crate::inputs::job::Job;
@@ -258,6 +258,28 @@ mod tests {
 
     fn source(path: &Path) -> Source {
         Source::from_bytes("", &std::fs::read(path).unwrap()).unwrap()
+    }
+
+    /// One file for each axis: what is missing is named, and what is left of it is right.
+    #[test]
+    fn what_a_directory_lacks_is_named() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+        let errors = ErrorTable::read(source(&folder.join("errors.csv"))).unwrap();
+        let page = source(&folder.join("generic.toml")).text.replace("\"generic\"", "\"isg-axis\"");
+        let job = Job::read(Source::from_bytes("", page.as_bytes()).unwrap()).unwrap();
+        let profile = builtin::profile("isg-axis").unwrap();
+        let inputs = Inputs::new(job, profile, &errors, Vec::new()).unwrap();
+        let mut files = generate(&inputs).unwrap().files;
+        let is_proof = |file: &KitFile| file.path.starts_with("sign-own-");
+        files.retain(|file| !is_proof(file) || file.path == "sign-own-1.lis");
+        let found = verify(&inputs, &files, None, Vec::new()).unwrap().disagreements();
+        let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            found,
+            [
+                "the sign proof of this job is not whole: `sign-own-1.lis` without `sign-own-2.lis`, `sign-own-3.lis`",
+            ]
+        );
     }
 
     /// To the last bit: a number is shown with all its digits.

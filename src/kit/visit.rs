@@ -156,6 +156,7 @@ impl Visit<'_> {
             machine: self.lines(JobSection::MachineAxes, Some(axis)),
             compensation: self.lines(JobSection::CompensationAxes, Some(axis)),
         });
+        let has_points = self.profile.job_keys.iter().all(|key| key.key != "spacing_mm");
         let [start, size] = if self.readings { self.box_of_run()? } else { Default::default() };
         let context = json!({
             "tool": TOOL,
@@ -169,7 +170,7 @@ impl Visit<'_> {
             "compensation": self.lines(JobSection::Compensation, None),
             "axes": axes,
             "steps": self.steps().to_string(),
-            "points": (self.steps() + 1).to_string(),
+            "points": if has_points { (self.steps() + 1).to_string() } else { String::new() },
             "start": start,
             "size": size,
         });
@@ -182,14 +183,16 @@ impl Visit<'_> {
         keys.map(|key| self.line(key, axis)).collect()
     }
 
-    fn line(&self, JobKey { key, example, text, .. }: &JobKey, axis: Option<Axis>) -> String {
-        let value = match (example, axis) {
-            (Some(example), _) => format!("# {key} = {example}"),
-            (None, Some(axis)) if key == "travel_mm" => {
+    fn line(&self, own: &JobKey, axis: Option<Axis>) -> String {
+        let JobKey { key, example, value, text, .. } = own;
+        let value = match (value, example, axis) {
+            (Some(value), ..) => format!("{key} = {value}"),
+            (_, Some(example), _) => format!("# {key} = {example}"),
+            (.., Some(axis)) if key == "travel_mm" => {
                 let (low, high) = self.travel[axis];
                 format!("{key} = [{}, {}]", millimetres(low), millimetres(high))
             }
-            (None, _) => format!("{key} = \"\""),
+            _ => format!("{key} = \"\""),
         };
         format!("{value:<COMMENTS$} # {text}")
     }

@@ -63,6 +63,13 @@ impl Family for DeclaredFacts {
     }
 }
 
+impl DeclaredFacts {
+    fn is_comment(&self, line: &str) -> bool {
+        let Comments::From(sign) = &self.comments.value else { return false };
+        line.trim_start().starts_with(sign.as_str())
+    }
+}
+
 /// Reads files of a control, names and texts in any order; of typed lists, as they were asked for or as the control shows them.
 pub(crate) fn tables(
     texts: &[(&str, &str)],
@@ -228,10 +235,7 @@ impl Reading<'_> {
 
     fn line(&mut self, text: &str, span: Range<usize>) {
         let line = &text[span.clone()];
-        let is_comment = match &self.facts.comments.value {
-            Comments::From(sign) => line.trim_start().starts_with(sign.as_str()),
-            _ => false,
-        };
+        let is_comment = self.facts.is_comment(line);
         if line.trim().is_empty() {
             return;
         }

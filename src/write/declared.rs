@@ -7,7 +7,7 @@ mod typed;
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    ControlUnit, DeclaredFacts, Evidence, Factor, Listed, Mechanism, RULE, ValueForm,
+    ControlUnit, DeclaredFacts, Evidence, Factor, Listed, Mechanism, Pattern, RULE, ValueForm,
 };
 use crate::control::table::{ListedTable, ListedTables, Point, Tables, name};
 use crate::inputs::job::Compensation;
@@ -28,16 +28,23 @@ use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 
 impl Family for DeclaredFacts {
-    fn expected_name(&self, name: &str) -> Option<&'static str> {
+    fn expected_name(&self, axis: Axis, name: &str) -> Option<&'static str> {
         if self.factors.is_some() {
-            return (!Axis::ALL.iter().any(|axis| axis.key() == name)).then_some("x, y or z");
+            return (axis.key() != name).then(|| axis.key());
         }
         if self.typed.is_some() {
             return None;
         }
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let is_plain = !name.is_empty() && name.chars().all(plain);
-        (!is_plain).then_some("letters, digits and `_`")
+        if name.is_empty() || !name.chars().all(plain) {
+            return Some("letters, digits and `_`");
+        }
+        let takes = |all: &[Pattern]| {
+            let mut own = all.iter().filter_map(|pattern| pattern.takes_axis(name)).peekable();
+            own.peek().is_none() || own.any(|is_taken| is_taken)
+        };
+        let is_taken = takes(&self.lines.value) && takes(&self.file_name.value);
+        (!is_taken).then_some("one that the patterns of its profile take")
     }
 
     /// A factor has the names of its axes in its own, and the generic table reaches no axis.
@@ -88,7 +95,7 @@ impl Family for DeclaredFacts {
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let mut compiled = match self.factors.is_some() {
-            true => self.compile_factors(task, plan)?,
+            true => self.compile_factors(task, plan),
             false => Compiled {
                 preconditions: self.preconditions(task, plan),
                 ..listed::compile(self, task, plan, |own| self.place(plan, own))?
@@ -294,15 +301,14 @@ impl DeclaredFacts {
 
 impl DeclaredFacts {
     /// A plan in factors; those of which nothing is planned are 0.
-    fn compile_factors(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
-        check_names(task, plan)?;
+    fn compile_factors(&self, task: Task<'_>, plan: &Plan) -> Compiled {
         let planned = |term| plan.tables.iter().find(|own| own.term == term);
         let tables = self.in_numbers("", |term| planned(term).map_or(Deviation::ZERO, slope));
         let placed = plan.tables.iter().map(|own| self.placement(task, own)).collect();
-        Ok(Compiled {
+        Compiled {
             notes: self.shifts(task, &tables).map(Into::into).collect(),
             ..Compiled::of(Tables::Listed(tables), placed, control_state(task, plan, |_| 0.0))
-        })
+        }
     }
 
     /// The factors for what terms gain in a mm; rounded here, once.
@@ -347,19 +353,6 @@ impl DeclaredFacts {
             .filter(|(_, um)| um.abs() >= 0.1)
             .map(|(axis, um)| TableFinding::Shifted { axis, um })
     }
-}
-
-/// A factor names its axes: each has its own name.
-fn check_names(task: Task<'_>, plan: &Plan) -> Result<(), Problems> {
-    let mut problems = Problems::none();
-    for (axis, names) in plan.names.iter() {
-        if names.iter().any(|name| name != axis.key()) {
-            let key = format!("compensation.axes.{}.id", axis.key());
-            let message = format!("this control calls the axis `{}`", axis.key());
-            problems.push(task.job.problem_at(&key, message).help("leave `id` out"));
-        }
-    }
-    problems.or_ok(())
 }
 
 /// What stands for a factor.

@@ -17,7 +17,7 @@ use serde::Serialize;
 /// A family of controls, on the writing side.
 pub(crate) trait Family {
     /// What a name of an axis has to be, where it is not.
-    fn expected_name(&self, name: &str) -> Option<&'static str>;
+    fn expected_name(&self, axis: Axis, name: &str) -> Option<&'static str>;
 
     /// The last digit of positions and spacings in the files.
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit;

@@ -23,7 +23,7 @@ use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key, axis_pairs}
 use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
-    fn expected_name(&self, name: &str) -> Option<&'static str> {
+    fn expected_name(&self, _axis: Axis, name: &str) -> Option<&'static str> {
         let is_number = name.chars().all(|c| c.is_ascii_digit()) && !name.starts_with('0');
         let number: Option<u32> = name.parse().ok().filter(|_| is_number);
         number.is_none_or(|n| n > 99).then_some("the number of a controlled axis, e.g. \"1\"")

@@ -26,7 +26,7 @@ use crate::write::grid::LengthDigit;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key};
 
 impl Family for IsgFacts {
-    fn expected_name(&self, name: &str) -> Option<&'static str> {
+    fn expected_name(&self, _axis: Axis, name: &str) -> Option<&'static str> {
         let number = name.parse::<u16>().ok().filter(|n| *n > 0);
         let is_logical = number.is_some_and(|number| number.to_string() == name);
         (!is_logical).then_some("a logical axis number, \"1\" to \"65535\"")

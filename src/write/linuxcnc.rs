@@ -15,7 +15,7 @@ use crate::control::controller::{
 };
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::inputs::job::Compensation;
-use crate::quantity::{Direction, ErrorTerm, rounded};
+use crate::quantity::{Axis, Direction, ErrorTerm, rounded};
 use crate::text::{Problem, Problems, joined};
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, ProofOf};
@@ -26,7 +26,7 @@ use crate::write::task::{Plan, PlannedTable, Target, Task};
 use std::collections::BTreeMap;
 
 impl Family for LinuxcncFacts {
-    fn expected_name(&self, name: &str) -> Option<&'static str> {
+    fn expected_name(&self, _axis: Axis, name: &str) -> Option<&'static str> {
         let joint = name.parse::<u32>().ok().filter(|n| n.to_string() == name);
         let is_joint = joint.is_some_and(|joint| joint < MOST_JOINTS);
         (!is_joint).then_some("the number of a joint, \"0\" to \"15\"")

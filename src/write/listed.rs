@@ -4,7 +4,7 @@
 //! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
 //!   never adds up.
 
-use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
+use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
@@ -51,10 +51,7 @@ pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable)
         false => form,
         true => Form {
             has_two: planned.direction.is_some(),
-            rounding: match (form.rounding, unit_um) {
-                (Rounding::None, Some(um)) => Rounding::Multiple(um),
-                (own, _) => own,
-            },
+            multiple_um: form.multiple_um.map(|none| unit_um.unwrap_or(none)),
             ..form
         },
     }
@@ -143,12 +140,12 @@ fn numbers(form: &Form, places: &[f64], deviations: &[Deviation]) -> Vec<f64> {
     let mut before: Option<f64> = None;
     let value = |(place, deviation): (&f64, &Deviation)| {
         let um = form.sign.table_um(*deviation);
-        let amount = match form.rounding {
-            Rounding::LastDecimal => rounded(um / form.value_um, form.value_decimals),
-            Rounding::Multiple(step) => {
-                rounded((um / step).round() * step / form.value_um, DUST_DECIMALS)
+        let amount = match form.count_um() {
+            count_um if count_um > 0.0 => {
+                let counts = rounded(um / count_um, DUST_DECIMALS).round(); // a decimal tie is one
+                rounded(counts * count_um / form.value_um, DUST_DECIMALS)
             }
-            Rounding::None => um / form.value_um,
+            _ => um / form.value_um,
         };
         let last = before.replace(amount).unwrap_or(amount);
         0.0 + match form.value {
@@ -236,4 +233,22 @@ fn ends_short(
     let (from, to) = planned.grid.range();
     from.mm() > low.mm() + END_MM && !may_end(<[Deviation]>::first)
         || to.mm() < high.mm() - END_MM && !may_end(<[Deviation]>::last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::controller::{ControlUnit, Dialect, builtin};
+
+    /// Counts of 0.1 µm: none of these decimal numbers is a binary one.
+    #[test]
+    fn a_tie_of_decimal_numbers_goes_away_from_zero() {
+        let Dialect::Declared(facts) = builtin::profile("isg-axis").unwrap().dialect else {
+            panic!("it is declared");
+        };
+        let form = facts.form(true, ControlUnit::Millimetre);
+        let um = [0.15, 0.35, 0.45, 1.15, -0.15, 0.149_999, 1.05].map(Deviation::from_um);
+        let counts = numbers(&form, &[0.0; 7], &um);
+        assert_eq!(counts, [2.0, 4.0, 5.0, 12.0, -2.0, 1.0, 11.0]);
+    }
 }

@@ -258,9 +258,11 @@ fn check_names(
     for (axis, of_axis) in names.iter() {
         for name in of_axis {
             let at_id = |words: String| job.problem_at(&axis_key(axis, ".id"), words);
-            if let Some(expected) = family(profile).expected_name(name) {
+            if let Some(expected) = family(profile).expected_name(axis, name) {
                 let words = format!("`{name}` is no axis of this control, expected {expected}");
-                problems.push(at_id(words).help("write it as the control shows it"));
+                let usual = &profile.axis_names.value[axis as usize];
+                let help = format!("write it as the control shows it, for instance `{usual}`");
+                problems.push(at_id(words).help(help));
             }
             if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
                 let words =

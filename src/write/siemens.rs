@@ -19,7 +19,7 @@ use crate::control::table::siemens::{
     MachineDatum, MachineValue, Place, SiemensGrid, SiemensTable, SiemensTables,
 };
 use crate::inputs::job::Compensation;
-use crate::quantity::{Deviation, ErrorTerm, power_of_ten};
+use crate::quantity::{Axis, Deviation, ErrorTerm, power_of_ten};
 use crate::text::Problems;
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
@@ -28,7 +28,7 @@ use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 
 impl Family for SiemensFacts {
-    fn expected_name(&self, name: &str) -> Option<&'static str> {
+    fn expected_name(&self, _axis: Axis, name: &str) -> Option<&'static str> {
         let is_capital = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
         let is_right = name.starts_with(|c: char| c.is_ascii_uppercase());
         (!is_right || !name.chars().all(is_capital))

@@ -226,7 +226,7 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
     let same = judged("", "");
     assert!(same.agrees(), "{:?}", same.disagreements());
     let higher = judged("=0.020000", "=0.200000");
-    let file = "NONIUS_SIGN_EEC.MPF".to_string();
+    let file = "`NONIUS_SIGN_EEC.MPF`".to_string();
     assert_eq!(higher.disagreements(), [FieldFault::OtherProof { file }.into()]);
     assert_eq!(higher.forecast, same.forecast);
 }

@@ -122,11 +122,9 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
 /// Half an origin: fixtures/cases/refuses/profile.txt. Facts that pages once had to state are taken, and shown.
 #[test]
 fn a_step_without_an_origin_is_a_rule_of_this_program() {
-    let keys = "[facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\
-        [[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n";
+    let keys = "[[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n";
     let own = of_page(&own_profile("klipper-skew", keys));
     let step = &own.checklist[0].text;
     assert_eq!(step.source, "a rule of this program, not of the control");
     assert_eq!(step.evidence, Evidence::Manual);
-    assert!(own.statements.iter().any(|s| s.fact == "direction"));
 }

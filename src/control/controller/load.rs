@@ -9,6 +9,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::fact::{Comments, Facts, Mechanism, origin, origin_or_rule};
 pub use crate::control::controller::files::TemplateFinder;
 use crate::control::controller::files::{Templates, files};
+use crate::control::controller::form::ValueForm;
 use crate::control::controller::program::{ProgramFacts, program_facts};
 use crate::control::controller::{
     ControlUnit, DeclaredFacts, Dialect, EmittedFile, Encoding, Fact, Family, FanucFacts, IsgFacts,
@@ -171,6 +172,16 @@ impl Profile {
         }
     }
 
+    /// Largest amount that its tables take, µm at a detection unit of 1 µm, where the profile declares it.
+    pub(crate) fn largest_um(&self) -> f64 {
+        match &self.dialect {
+            Dialect::Declared(own) if own.value_form.value != ValueForm::Position => {
+                own.largest_value.value * own.value_size.value.um
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     /// How the characters of the control's files are stored.
     pub(crate) fn encoding(&self) -> Encoding {
         self.encoding.as_ref().map_or(Encoding::Utf8, |fact| fact.value)
@@ -192,9 +203,18 @@ fn read_profile(
     }
     let id = root.required_text("id", "a short name such as `fanuc-30i`")?;
     let name = root.required_text("name", "maker and model")?;
-    check_base(root, below)?;
-    let family = family(root);
+    let family = check_base(root, below).and_then(|()| family(root));
     let facts = root.required_section("facts").unwrap_or_else(|| root.absent("facts"));
+    let states = |key| facts.begins_at(key).is_some(); // which is no fact of other controls
+    let has_both = states("factors") && (states("own_sign") || states("file_name"));
+    if has_both {
+        let words = "factors stand in place of tables with points, of which there are facts too: one excludes the other";
+        facts.problem("factors", words, "leave them out, or build the profile on `klipper-skew`");
+    }
+    if family.is_none() || has_both {
+        root.ask_no_more(); // what else there is depends on it
+        return None;
+    }
     Profile::read(root, [id, name], origin, family, &Facts::of(facts), templates)
 }
 
@@ -231,9 +251,6 @@ fn dialect(family: Option<Known>, facts: &Facts<'_>) -> Option<Dialect> {
     let outside = family.map_or(&[][..], |(family, _)| family.outside);
     let outside: Vec<_> = outside.iter().map(|own| (own.word(), *own)).collect();
     facts.read("outside", |f| f.choice("value", &outside));
-    for told in ["direction", "value_unit"] {
-        facts.if_stated::<String>(told); // pages once had to state it
-    }
     dialect
 }
 

@@ -120,6 +120,15 @@ impl Pattern {
         self.fields.iter().map(|group| group.field)
     }
 
+    /// Whether its field for the corrected axis takes a name: up to its bracket, the first behind which it is an
+    /// expression of its own. `None` = it has no such field.
+    pub(crate) fn takes_axis(&self, name: &str) -> Option<bool> {
+        let own = [Field::Axis, Field::Output].map(|field| format!("<{}>", field.word()));
+        let (_, rest) = own.iter().find_map(|field| self.text.split_once(field))?;
+        let mut ends = rest.match_indices(')').map(|(end, _)| format!("^(?:{})$", &rest[..end]));
+        ends.find_map(|own| Regex::new(&own).ok()).map(|own| own.is_match(name))
+    }
+
     /// Whether a line of it says anything of tables.
     pub(crate) fn has_fields(&self) -> bool {
         self.fields().any(|field| !matches!(field, Field::Other | Field::Whole))
@@ -212,6 +221,19 @@ mod tests {
         assert_eq!(first[..], [(Field::Output, 0..1), (Field::Base, 2..3), (Field::Table, 3..4)]);
         assert_eq!(second[..], [(Field::Base, 5..6), (Field::Table, 6..7)]);
         assert_eq!(own.take("0=0A").expect("a line").len(), 1);
+    }
+
+    #[test]
+    fn the_field_of_an_axis_takes_its_names() {
+        for (text, takes, not) in [
+            ("AL (?<axis>[XYZ]) END", "Z", "A"),
+            (r"(?<output>(?:A\)|B)+) by (?<base>\d)", "A)B", "1"),
+            ("(?P<axis>[)]) x", ")", "x"),
+        ] {
+            let own = pattern(text).expect("a pattern");
+            assert_eq!([takes, not].map(|name| own.takes_axis(name)), [Some(true), Some(false)]);
+        }
+        assert_eq!(pattern(r"(?<value>\S+)").expect("a pattern").takes_axis("X"), None);
     }
 
     #[test]

@@ -135,7 +135,7 @@ fn check_backlash(
             let words = format!(
                 "the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"
             );
-            let help = "read it out too (MD32450, 1851, BACKLASH), or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]";
+            let help = "name a file that holds it, or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]";
             problems.push(problem(job, words, help));
         }
     }

@@ -12,9 +12,9 @@ use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{ReadBack, emulator, load, read_apart};
 use crate::text::{BLANK, Finding, Problem, Problems, joined};
-use crate::write::compensation::trimmed;
+use crate::write::compensation::{Compiled, trimmed};
 use crate::write::emit::{self, Emitted};
-use crate::write::plan::{Plan, axis_pairs};
+use crate::write::plan::{Plan, Task, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
 use serde::Serialize;
 
@@ -51,7 +51,7 @@ impl Proofs {
         let mut loaded = made.compiled.tables.clone();
         let (mut written, mut files) = (Vec::new(), Vec::new());
         for proof in proofs {
-            let own = proof_files(made, &proof)?;
+            let own = files_of(made.task(), &made.compiled, &proof)?;
             if own.is_empty() {
                 continue; // a profile of one's own without a file for it
             }
@@ -77,11 +77,15 @@ impl Proofs {
     }
 }
 
-fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<KitFile>, Problems> {
+pub(super) fn files_of(
+    task: Task<'_>,
+    compiled: &Compiled,
+    proof: &SignProof,
+) -> Result<Vec<KitFile>, Problems> {
     let slope = "SIGN PROOF: zero but for one slope; load the values of the kit again after it";
     let bump = "SIGN PROOF: zero but for one bump; load the table of the kit again after it";
     let notice = Some(if proof.bump.is_slope { slope } else { bump });
-    let of_kit = Emitted::of_kit(made.task(), &made.compiled);
+    let of_kit = Emitted::of_kit(task, compiled);
     let emitted = Emitted { tables: &proof.tables, notice, ..of_kit };
     let wanted = Some(proof.of.mechanism);
     emit::render_those(&emitted, |file| file.role == Role::SignProof && file.mechanism == wanted)

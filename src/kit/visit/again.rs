@@ -1,6 +1,7 @@
 //! A visit after an earlier one: its job and its tables once more, without what belonged to that day.
 
 use super::{Begun, COMMENTS, error_table, quoted, table_name};
+use crate::control::controller::JobKey;
 use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{ActiveTables, Job, Linear, LinearSlope, UseOf};
 use crate::quantity::{Axis, Plane};
@@ -19,6 +20,8 @@ pub struct Earlier<'a> {
     pub measured: Measured,
     /// The key of the job that places tables in the control; `None` = files are replaced.
     pub place: Option<&'static str>,
+    /// The key of the backlash parameters, of a control of which no file holds them.
+    pub backlash: Option<&'a JobKey>,
     /// What is active now as the new job names it: its kit, or what was read out; empty where none is known.
     pub kit: String,
     /// What was read out of the control for keys of the job.
@@ -73,6 +76,10 @@ impl Earlier<'_> {
         page.set("measurement.instrument", quoted(""));
         for key in OF_THE_DAY {
             page.remove(&format!("measurement.{key}"), key);
+        }
+        if let Some(JobKey { key, text, .. }) = self.backlash {
+            let line = format!("{key} = {}", quoted(""));
+            page.insert_above(data, format!("{line:<COMMENTS$} # {text}\n"));
         }
         for plane in Plane::ALL {
             page.set(&format!("measurement.squareness_um_per_m.{}", plane.key()), quoted(""));

@@ -1,6 +1,6 @@
 //! A table while its lines are read, and what it has to hold in the end.
 
-use crate::control::controller::{DeclaredFacts, Field, Order};
+use crate::control::controller::{DeclaredFacts, Field, Order, ValueForm};
 use crate::control::table::{ListedTable, Point, name};
 use crate::quantity::rounded;
 use crate::read::lexer::Complaint;
@@ -9,6 +9,9 @@ use std::ops::Range;
 
 /// Numbers of files lie below it.
 const LARGEST: f64 = 1e9;
+
+/// What a difference of two of them may be off by.
+const DUST: f64 = 1e-6;
 
 /// A number, and where it stands.
 type Placed = (f64, Range<usize>);
@@ -126,6 +129,12 @@ impl<'a> Draft<'a> {
             let position = self.position(index, row)?;
             self.check_order(points.last().map(|last| last.position), position, row)?;
             points.push(point(self.facts.value_fields(is_own), position, row)?);
+            let first = points[0].forward;
+            if self.facts.value_form.value == ValueForm::Increment && first.abs() > 0.0 {
+                let message = format!("the first increment of the {what} is {first}, expected 0");
+                let help = "an increment is the change over the section before; there is none";
+                return Err(Complaint::new(row.line.clone(), message, help));
+            }
         }
         Ok(ListedTable { term: None, base, output, points })
     }
@@ -150,13 +159,18 @@ impl<'a> Draft<'a> {
             return wrong(&self.line, message, "take the whole file");
         }
         let last = facts.first_point.value as usize + rows - 1;
-        for (field, is) in [(Field::Count, rows), (Field::Last, last)] {
-            let Some((said, span)) = self.head(field) else {
+        // Beside positions a start and a spacing say the same once more.
+        let place = |at: usize| self.rows.get(at)?.of(Field::Position);
+        let spacing = place(1).zip(place(0)).map(|(second, first)| second - first);
+        let counts = [(Field::Count, Some(rows as f64)), (Field::Last, Some(last as f64))];
+        let places = [(Field::Start, place(0)), (Field::Spacing, spacing)];
+        for (field, is) in counts.into_iter().chain(places) {
+            let (Some((said, span)), Some(is)) = (self.head(field), is) else {
                 continue;
             };
-            if (said - is as f64).abs() > 0.0 {
+            if (said - is).abs() > DUST {
                 let message = format!("the file says {said} here, its points make it {is}");
-                return wrong(span, message, "points are missing, or there are too many");
+                return wrong(span, message, "points are missing, too many, or elsewhere");
             }
         }
         Ok(())

@@ -108,6 +108,34 @@ fn fields_of_a_point_stand_in_several_lines() {
     }
 }
 
+#[test]
+fn what_a_file_says_twice_is_the_same() {
+    let text = "kopf.achs_nr 1\nkw.ssfk.kw_startpos 5\nkw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg 0\n\
+                kw.ssfk.table[1].setpoint 9\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n";
+    let facts = facts_of("isg-axis");
+    assert!(read(&[("a.lis", text)], &facts).is_ok());
+    let words = refused(&facts, &text.replace("startpos 5", "startpos 1000000"));
+    assert!(words.contains("file.dat:2:21"), "{words}");
+    assert!(words.contains("the file says 1000000 here, its points make it 5"), "{words}");
+}
+
+#[test]
+fn nothing_changes_before_the_first_point() {
+    let lines = r"['AXIS (?<axis>[XYZ])', '(?<position>\S+) (?<value>\S+)']";
+    let facts = own(&[
+        ("lines", lines),
+        ("value_form", "\"increment\""),
+        ("backlash", "\"adds\""),
+        ("comments", "false"),
+    ]);
+    let facts = facts.unwrap();
+    let text = "AXIS X\n0 0\n100 7\n";
+    assert!(read(&[("a.txt", text)], &facts).is_ok());
+    let words = refused(&facts, &text.replace("0 0", "0 7"));
+    assert!(words.contains("file.dat:2:1"), "{words}");
+    assert!(words.contains("the first increment of the table of X is 7, expected 0"), "{words}");
+}
+
 /// The first position and the distance; the name of the file says the axis.
 #[test]
 fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
@@ -187,6 +215,8 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
         assert!(words.contains(says), "{fact} = {value}\n{words}");
         assert!(words.contains("own.toml:"), "{fact} = {value}\n{words}");
     }
+    let words = own(&[("cross_terms", "1")]).unwrap_err().render();
+    assert!(words.contains("two columns of a table that follows another axis"), "{words}");
 }
 
 fn klipper() -> DeclaredFacts {
@@ -221,12 +251,17 @@ fn a_saved_set_of_factors_is_read() {
 fn a_format_that_has_a_rule_takes_no_fact_against_it() {
     for (below, facts) in [
         ("generic", ["own_sign", "cross_sign", "value_size", "value_form"]),
-        ("klipper-skew", ["own_sign", "points", "value_size", "value_form"]),
+        ("klipper-skew", ["own_sign", "points", "value_size", "value_unit"]),
     ] {
         assert!(on_top_of(below, &[]).is_ok());
         for fact in facts {
             let words = on_top_of(below, &[(fact, "\"as_error\"")]).unwrap_err().render();
-            assert!(words.contains(&format!("unknown key `{fact}`")), "{below}: {words}");
+            assert_eq!(words.matches("problem: ").count(), 1, "{below}: {words}");
+            let says = match (below, fact) {
+                ("klipper-skew", "own_sign") => "one excludes the other".to_string(),
+                _ => format!("unknown key `{fact}`"),
+            };
+            assert!(words.contains(&says), "{below}: {words}");
         }
     }
 }

@@ -17,7 +17,7 @@ pub struct Section<'a> {
     table: &'a DeTable<'a>,
     span: Range<usize>,
     path: String,
-    asked: RefCell<Vec<&'static str>>,
+    asked: RefCell<Vec<&'a str>>,
     noted: &'a Noted,
 }
 
@@ -301,6 +301,11 @@ impl<'a> Section<'a> {
         entries
             .filter_map(|(key, value)| Some((key.get_ref().to_string(), text(value.get_ref())?)))
             .collect()
+    }
+
+    /// Takes every key as known: what is wrong already decides which there can be.
+    pub(crate) fn ask_no_more(&self) {
+        self.asked.borrow_mut().extend(self.table.keys().map(|key| &**key.get_ref()));
     }
 
     /// Notes every key that nobody asked for, with the nearest known one. Call it last.

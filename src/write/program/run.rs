@@ -135,9 +135,9 @@ impl<'a> RunTask<'a> {
     pub fn of(job: &'a Job, profile: &'a Profile) -> Result<RunTask<'a>, Problem> {
         Ok(RunTask {
             job,
-            request: job.program.as_ref().ok_or_else(|| no_section(job))?,
             profile,
             facts: profile.program.as_ref().ok_or_else(|| no_language(job, profile))?,
+            request: job.program.as_ref().ok_or_else(|| no_section(job))?,
         })
     }
 
