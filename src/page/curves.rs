@@ -203,11 +203,8 @@ fn sampled(curve: &ErrorCurve, added: Option<&Response>) -> Vec<(f64, f64)> {
     places.sort_by(f64::total_cmp);
     let at = |mm: f64| {
         let at = Millimetres::new(mm);
-        let um = match added {
-            None => curve.at(at).um(),
-            Some(response) => (curve.at(at) + response.correction(at)).um(),
-        };
-        (mm, um)
+        let own = curve.at(at);
+        (mm, added.map_or(own, |response| own + response.correction(at)).um())
     };
     places.into_iter().map(at).collect()
 }

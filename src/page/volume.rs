@@ -209,10 +209,7 @@ impl Trace {
 
 /// Two stretches as one.
 fn both(a: Stretch, b: Stretch) -> Stretch {
-    match a.zip(b) {
-        Some((a, b)) => Some([0, 1, 2].map(|n| joined(a[n], b[n]))),
-        None => a.or(b),
-    }
+    a.zip(b).map(|(a, b)| [0, 1, 2].map(|n| joined(a[n], b[n]))).or(a).or(b)
 }
 
 fn joined(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {

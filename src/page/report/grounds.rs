@@ -232,17 +232,12 @@ impl Report<'_> {
             }
         };
         let unit = self.unit();
-        let u = match at_most_um {
-            None => self.t("u_not_stated"),
-            Some(um) => {
-                let um = format!("{} {unit}", self.reason(of, true, um));
-                self.fill("at_most", [("um", um)])
-            }
-        };
+        let bound = |um: f64| ("um", format!("{} {unit}", self.reason(of, true, um)));
+        let u = at_most_um.map(|um| self.fill("at_most", [bound(um)]));
         let facts = [
             ("what", self.what(of)),
             ("left", format!("{} {unit}", self.reason(of, false, um))),
-            ("u", u),
+            ("u", u.unwrap_or_else(|| self.t("u_not_stated"))),
             ("limit", self.length(limit_um)),
             ("verdict", self.t(verdict.word())),
         ];

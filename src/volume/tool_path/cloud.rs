@@ -16,7 +16,7 @@ const PART_OUTSIDE: usize = 8;
 const ROUNDS: usize = 8;
 
 /// Error vectors of a path, of which it keeps those that matter.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Cloud {
     most: usize,
     vectors: Vec<Vector>,
@@ -31,14 +31,7 @@ pub(super) struct Cloud {
 impl Cloud {
     /// With a bound of its memory.
     pub(super) fn holding(most: usize) -> Cloud {
-        Cloud {
-            most,
-            vectors: Vec::new(),
-            hull: None,
-            anchor: [0.0; 3],
-            depth_square: -1.0,
-            room_um: 0.0,
-        }
+        Cloud { most, depth_square: -1.0, ..Cloud::default() }
     }
 
     #[inline]

@@ -96,10 +96,7 @@ impl PathMap {
         let nodes = &self.axes[axis].nodes;
         let above = hint == 0 || nodes[hint - 1] <= at;
         let below = hint == nodes.len() || at <= nodes[hint];
-        if above && below {
-            return hint;
-        }
-        nodes.partition_point(|node| *node < at)
+        if above && below { hint } else { nodes.partition_point(|node| *node < at) }
     }
 
     /// The cell that a place lies in: the numbers of its pieces.
