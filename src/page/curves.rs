@@ -204,7 +204,7 @@ fn sampled(curve: &ErrorCurve, added: Option<&Response>) -> Vec<(f64, f64)> {
     let at = |mm: f64| {
         let at = Millimetres::new(mm);
         let own = curve.at(at);
-        (mm, added.map_or(own, |response| own + response.correction(at)).um())
+        (mm, added.map_or(own.um(), |response| (own + response.correction(at)).um()))
     };
     places.into_iter().map(at).collect()
 }

@@ -226,11 +226,21 @@ impl Add for Correction {
     }
 }
 
-/// What is left: the deviation of the machine with its correction.
+/// What is left: deviation + correction, micrometres.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Residual(f64);
+
+impl Residual {
+    /// The plain number, in micrometres.
+    pub const fn um(self) -> f64 {
+        self.0
+    }
+}
+
 impl Add<Correction> for Deviation {
-    type Output = Deviation;
-    fn add(self, correction: Correction) -> Deviation {
-        Deviation(self.0 + correction.0)
+    type Output = Residual;
+    fn add(self, correction: Correction) -> Residual {
+        Residual(self.0 + correction.0)
     }
 }
 
