@@ -59,9 +59,7 @@ impl Slip {
 
 #[derive(Clone, Copy)]
 struct Wavy {
-    /// Times `Machine::random`.
     size: f64,
-    /// These do not wave at all: what tells a pair of names apart.
     even: &'static [&'static str],
 }
 

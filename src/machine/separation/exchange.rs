@@ -19,8 +19,8 @@
 //!
 //! ```text
 //!   m = z·s, at least 9        Φ(z) = 1 − 0.006/k; k: assignments that lie within 3 s of the best; 9: odds of e^4.5 to one
-//!   s² = 4(ν − tr P P′) = 1.2 ν where two of NPP, PNP, PPN change places, 1.5 ν where all three do, at most 3.4 ν where
-//!        PPP is not itself            P, P′: what is left of readings under these names and the others; n = 15 and more
+//!   s² = 4(ν − tr P P′), P, P′: what is left of readings under these names and the others. Computed for n = 6 … 30:
+//!        1.2 ν where two of NPP, PNP, PPN change places, 1.5 ν all three, 2.1 ν two and two, else at most 3.4 ν
 //! ```
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
@@ -172,9 +172,11 @@ impl Trial<'_> {
 
     /// s of these names.
     fn deviation(&self, naming: &Naming) -> f64 {
+        let twice = |d: Diagonal| naming.0[naming.0[d]];
         let share = match (naming.0[Diagonal::Ppp], naming.moved().len()) {
             (Diagonal::Ppp, 2) => 1.2,
             (Diagonal::Ppp, _) => 1.5,
+            (_, 4) if Diagonal::ALL.iter().all(|d| twice(*d) == *d) => 2.1,
             _ => 3.4,
         };
         (share * self.freedom).sqrt()
