@@ -303,10 +303,11 @@ fn one_beam(
         let travel = axes[axis].map(|machine| (machine.low, machine.high));
         let what = boxed.map_or("the travel", |_| "the box of the diagonals");
         // Straight runs hold no shapes to take off.
-        let is_end = |(low, high), at: Millimetres| at == low || at == high;
-        if let Some(ends) = boxed.filter(|_| kind == PathKind::Straight)
-            && !(is_end(ends, from[axis]) && is_end(ends, to[axis]))
-        {
+        let is_whole = |volume: &Volume| {
+            let length = (to[axis] - from[axis]).mm().abs();
+            (length - volume.size[axis].mm()).abs() < SMALLEST_SIZE_MM
+        };
+        if kind == PathKind::Straight && !moves.is_none_or(is_whole) {
             section.refuse("to_mm", refusals::beam_inside(axis));
         }
         if let Some(ends) = boxed.or(travel) {
