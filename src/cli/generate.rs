@@ -12,11 +12,11 @@ use crate::kit::manifest::MANIFEST;
 use crate::kit::{self, Inputs, Kit, generate, remarks};
 use crate::quantity::{Axis, PerAxis};
 use crate::text::Problems;
-use crate::visit::files::{Files, plain, printed, with_slashes};
+use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use clap::Args;
 use serde::Serialize;
-use std::path::{Component, Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 // Options of `generate`.
 #[derive(Args, Debug)]
@@ -58,10 +58,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     if options.without_checklist {
         inputs.profile.files.retain(|file| file.role != Role::Checklist);
     }
-    let mut kit = generate(&inputs)?;
-    if let Some(old) = &mut kit.manifest.predecessor {
-        old.path = seen_from(directory, &options.job.with_file_name(&old.path));
-    }
+    let kit = generate(&inputs)?;
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let next_steps = next_steps(&options.job, directory, &inputs, &kit);
     let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
@@ -72,14 +69,6 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.plot.beside(files, outcome, options.output.force, |locale| {
         show::nine_errors(locale, &inputs, Some(&kit.effect), None)
     })
-}
-
-/// How a place is called from a folder; on another drive it begins with its own.
-fn seen_from(folder: &Path, place: &Path) -> String {
-    let [folder, place] = [folder, place].map(|path| plain(&absolute(path).unwrap_or(path.into())));
-    let shared = folder.components().zip(place.components()).take_while(|(a, b)| a == b).count();
-    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
-    with_slashes(&up.chain(place.components().skip(shared)).collect::<PathBuf>())
 }
 
 fn screen(inputs: &Inputs, kit: &Kit) -> Screen {

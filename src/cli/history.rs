@@ -3,9 +3,9 @@
 //! ```text
 //!   DIR/manifest.json ─ predecessor ─→ path, hash of its manifest ─→ found and compared ─→ …
 //! ```
-//! A predecessor is looked for at its path from the kit, from the folder of the kit (older ones have it from their job),
-//! beside it, and where `--force` left the old one (`DIR.previous`); only a manifest of the stated hash counts. Exit
-//! status 1 where the chain breaks or a file was changed.
+//! A predecessor is looked for inside the kit, beside it, and where `--force` left the old one
+//! (`DIR.previous`); only a manifest of the stated hash counts. Exit status 1 where the chain
+//! breaks or a file was changed.
 
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::Screen;
@@ -15,7 +15,7 @@ use crate::judge::findings::FileFault;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::sha256;
 use crate::text::{Finding, Problem, Problems, json_page, shown};
-use crate::visit::files::{Files, plain, previous, printed, with_slashes};
+use crate::visit::files::{Files, previous, printed, with_slashes};
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
@@ -163,7 +163,7 @@ fn screen(chain: &Chain) -> Screen {
     const SHOWN_DIGITS: usize = 12;
     let mut lines = Vec::new();
     for (age, link) in chain.kits.iter().enumerate() {
-        lines.push(format!("{age}  {}", printed(&plain(Path::new(&link.directory)))));
+        lines.push(format!("{age}  {}", printed(Path::new(&link.directory))));
         lines.push(format!(
             "   {}, {}, machine {}, measured {}, manifest {}",
             word(&link.tool),

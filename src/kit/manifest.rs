@@ -79,7 +79,7 @@ pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
 /// The tables that a kit follows: a link of the chain that `nonius history` prints.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Predecessor {
-    /// Path: as the job named it, in a kit that is written from the kit.
+    /// Path, as the job named it.
     pub path: String,
     /// SHA-256 of the manifest of a kit; `null` of files that were read out of the control.
     pub manifest_sha256: Option<String>,

@@ -395,10 +395,12 @@ fn whole(distances: f64) -> Option<usize> {
 fn between_nodes(nodes: &Nodes, size_mm: PerAxis<f64>) -> Problem {
     let fitting = |axis: Axis| {
         let part = size_mm[axis] / (nodes[axis].last()? - nodes[axis].first()?);
-        (21..=1001).find(|count| whole(part * f64::from(count - 1)).is_some())
+        (21..=1001_u32).find(|count| whole(part * f64::from(count - 1)).is_some())
     };
     let example = match Axis::ALL.map(fitting) {
-        [Some(x), Some(y), Some(z)] => format!(", e.g. {x},{y},{z}"),
+        [Some(x), Some(y), Some(z)] if f64::from(x * y * z) <= MOST_WINDOWS as f64 => {
+            format!(", e.g. {x},{y},{z}")
+        }
         _ => String::new(),
     };
     let PerAxis { x, y, z } = size_mm;

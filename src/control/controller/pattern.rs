@@ -124,8 +124,10 @@ impl Pattern {
     /// expression of its own. `None` = it has no such field.
     pub(crate) fn takes_axis(&self, name: &str) -> Option<bool> {
         let own = [Field::Axis, Field::Output].map(|field| format!("<{}>", field.word()));
-        let (_, rest) = own.iter().find_map(|field| self.text.split_once(field))?;
-        let mut ends = rest.match_indices(')').map(|(end, _)| format!("^(?:{})$", &rest[..end]));
+        let (before, rest) = own.iter().find_map(|field| self.text.split_once(field))?;
+        let case = if before.contains("(?i") { "(?i)" } else { "" };
+        let mut ends =
+            rest.match_indices(')').map(|(end, _)| format!("{case}^(?:{})$", &rest[..end]));
         ends.find_map(|own| Regex::new(&own).ok()).map(|own| own.is_match(name))
     }
 

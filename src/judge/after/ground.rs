@@ -188,6 +188,7 @@ pub(super) fn findings(
             found.extend(unseen_reversal(before, model).map(|reversal| reversal.found));
         }
         AfterMeasurement::Diagonals(runs) => {
+            found.extend(runs.doubts.iter().cloned());
             let labels = runs.labels.iter().cloned().map(|label| AsLeft::RestsOn { label });
             found.extend(labels.chain([AsLeft::DiagonalsOnly]).map(Finding::from));
         }

@@ -139,8 +139,13 @@ impl Earlier<'_> {
         let read = Source::from_bytes("job.toml", text.as_bytes())
             .and_then(|source| Job::read_for(source, UseOf::Begun));
         let expected = ActiveTables::Path(self.kit.clone());
+        let is_new = |job: &Job| {
+            let mut of_the_day = job.measurement.active_settings.backlash_um.iter();
+            let is_kit = self.kit.is_empty() || job.measurement.active == expected;
+            is_kit && of_the_day.all(|(_, um)| um.is_none())
+        };
         match read {
-            Ok(job) if self.kit.is_empty() || job.measurement.active == expected => Ok(text),
+            Ok(job) if is_new(&job) => Ok(text),
             Err(problems) if !self.held.is_empty() => Err(problems),
             _ => {
                 let name = &self.job.source.name;

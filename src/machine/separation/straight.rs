@@ -89,7 +89,9 @@ pub fn straight(
     let agreement = equations.agreement(&metric);
     let (figures, _) = readings::figures(&start.runs, PathKind::Straight);
     let closure = errors.map(|table| closure_tests(&start, table)).transpose()?;
-    let fails = closure.as_ref().is_some_and(|tests| tests.agrees == Some(false));
+    let stated =
+        |tests: &&ClosureTests| tests.table_states_u && campaign.silence().not_stated.is_empty();
+    let fails = closure.as_ref().filter(stated).is_some_and(|tests| tests.agrees == Some(false));
     let disturbed = start.outliers.iter().map(Outlier::words);
     let doubts = disturbed
         .map(|which| SeparationFinding::DisturbedTotal { which }.into())
@@ -153,8 +155,7 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     for walk in &walks(&start.runs) {
         let predicted = predicted(start.volume(), table, walk)?;
         found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
-        let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
-        found.tests.push(compared(walk, &predicted, readings));
+        found.tests.push(compared(start, walk, &predicted));
     }
     found.tests.sort_by_key(|test| test.diagonal);
     // k of a test of so many differences together.
@@ -165,13 +166,19 @@ fn closure_tests(start: &Start<'_>, table: &ErrorTable) -> Result<ClosureTests, 
     Ok(found)
 }
 
-fn compared(walk: &Walk, predicted: &[Predicted], square_um2: Option<f64>) -> ClosureTest {
+fn compared(of: &Start<'_>, walk: &Walk, predicted: &[Predicted]) -> ClosureTest {
     let Walk { diagonal, pass, um: measured, .. } = walk;
     let last = measured.len() - 1;
     let [start, end] = if *pass == Pass::Forward { [0, last] } else { [last, 0] };
     let left = |at: usize| measured[at] - measured[start] - (predicted[at].0 - predicted[start].0);
     let stated = |node: usize| predicted[node].1.unwrap_or(0.0);
-    let u = |node: usize| Some((square_um2? + stated(node) + stated(start)).sqrt());
+    let model = &of.model;
+    let reading = |node| Row::of(model.layout.reading(*pass, *diagonal, node));
+    let u = |node: usize| {
+        let difference = Row::sum([(1.0, reading(node)), (-1.0, reading(start))]);
+        let square = of.noise.map(|_| model.variance(&difference).all)?;
+        Some((square + stated(node) + stated(start)).sqrt())
+    };
     let others = || (0..=last).filter(|node| *node != start);
     let ratio = |node: usize| Some(left(node).abs() / u(node).filter(|u| *u > 0.0)?);
     let ratios: Option<Vec<f64>> = others().map(ratio).collect();

@@ -129,7 +129,8 @@ impl<'a> Draft<'a> {
             let position = self.position(index, row)?;
             self.check_order(points.last().map(|last| last.position), position, row)?;
             points.push(point(self.facts.value_fields(is_own), position, row)?);
-            let first = points[0].forward;
+            let Point { forward, reverse, .. } = points[0];
+            let first = if forward.abs() > 0.0 { forward } else { reverse.unwrap_or(0.0) };
             if self.facts.value_form.value == ValueForm::Increment && first.abs() > 0.0 {
                 let message = format!("the first increment of the {what} is {first}, expected 0");
                 let help = "an increment is the change over the section before; there is none";
