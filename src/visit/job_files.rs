@@ -328,8 +328,7 @@ impl CampaignFiles {
             degrees_of_freedom: result.noise.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.of_length_ppm(),
             laser_um_per_m: self.job.measurement.uncertainty.of_laser_ppm(),
-            doubts: result.doubts,
-            labels: result.labels,
+            labels: result.doubts.into_iter().chain(result.labels).collect(),
             one_zero: self.readings.runs.iter().all(|run| self.readings.offset_known(run)),
         })
     }

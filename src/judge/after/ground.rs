@@ -7,7 +7,7 @@ use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope};
 use crate::judge::findings::{AsLeft, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, Volume};
-use crate::text::{Finding, Problem, Problems};
+use crate::text::{Finding, Problem, Problems, Severity};
 use crate::write::grid::EDGE_MM;
 
 /// Refuses a second job of another machine: serial number, travel, reference point and direction
@@ -188,9 +188,11 @@ pub(super) fn findings(
             found.extend(unseen_reversal(before, model).map(|reversal| reversal.found));
         }
         AfterMeasurement::Diagonals(runs) => {
-            found.extend(runs.doubts.iter().cloned());
-            let labels = runs.labels.iter().cloned().map(|label| AsLeft::RestsOn { label });
-            found.extend(labels.chain([AsLeft::DiagonalsOnly]).map(Finding::from));
+            let said = runs.labels.iter().cloned().map(|label| match label.severity() {
+                Severity::Doubt => label,
+                _ => AsLeft::RestsOn { label }.into(),
+            });
+            found.extend(said.chain([AsLeft::DiagonalsOnly.into()]));
         }
     }
     found

@@ -36,8 +36,6 @@ pub struct StraightRuns {
     pub scale_um_per_m: f64,
     /// Of it what all diagonals share: the laser's scale, µm/m.
     pub laser_um_per_m: f64,
-    /// Why they are doubtful.
-    pub doubts: Vec<Finding>,
     /// The reverse passes count from the forward start.
     pub one_zero: bool,
     /// What the readings say of themselves and what their evaluation rests on.
