@@ -283,7 +283,7 @@ impl Memory {
 }
 
 /// A path without `.`, and without what `..` takes back.
-pub(crate) fn plain(path: &Path) -> PathBuf {
+fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
         match part {

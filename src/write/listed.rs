@@ -4,7 +4,7 @@
 //! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
 //!   never adds up.
 
-use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, ValueForm};
+use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
@@ -51,7 +51,10 @@ pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable)
         false => form,
         true => Form {
             has_two: planned.direction.is_some(),
-            multiple_um: form.multiple_um.map(|none| unit_um.unwrap_or(none)),
+            rounding: match (form.rounding, unit_um) {
+                (Rounding::None, Some(um)) => Rounding::Multiple(um),
+                (own, _) => own,
+            },
             ..form
         },
     }
@@ -140,12 +143,13 @@ fn numbers(form: &Form, places: &[f64], deviations: &[Deviation]) -> Vec<f64> {
     let mut before: Option<f64> = None;
     let value = |(place, deviation): (&f64, &Deviation)| {
         let um = form.sign.table_um(*deviation);
-        let amount = match form.count_um() {
-            count_um if count_um > 0.0 => {
+        let amount = match form.rounding {
+            Rounding::None => um / form.value_um,
+            Rounding::LastDecimal | Rounding::Multiple(_) => {
+                let count_um = form.count_um();
                 let counts = rounded(um / count_um, DUST_DECIMALS).round(); // a decimal tie is one
                 rounded(counts * count_um / form.value_um, DUST_DECIMALS)
             }
-            _ => um / form.value_um,
         };
         let last = before.replace(amount).unwrap_or(amount);
         0.0 + match form.value {

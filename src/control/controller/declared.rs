@@ -10,7 +10,7 @@
 
 use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
-use super::form::{Form, Listed, Order, Size, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, Size, ValueForm};
 use super::pattern::{Field, Pattern};
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::{Axis, ErrorTerm, UM_PER_MM};
@@ -298,7 +298,10 @@ impl Listed for DeclaredFacts {
             value_um: self.value_size.value.um,
             is_of_axis: self.value_size.value.is_of_axis,
             value_decimals: self.value_decimals.value,
-            multiple_um: self.typed.as_ref().filter(|own| !own.is_held()).map(|_| 0.0),
+            rounding: match &self.typed {
+                Some(typed) if !typed.is_held() => Rounding::None,
+                _ => Rounding::LastDecimal,
+            },
             largest: self.largest_value.value,
             position_um: self.position_size.value.um,
             position_decimals: self.position_decimals.value,

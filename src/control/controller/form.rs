@@ -26,6 +26,17 @@ words! {
     }
 }
 
+/// What values are rounded to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rounding {
+    /// The last decimal.
+    LastDecimal,
+    /// Multiples of this many µm.
+    Multiple(f64),
+    /// Nothing.
+    None,
+}
+
 /// Size of 1 in a file: a unit of length, or counts of any size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
@@ -86,8 +97,8 @@ pub struct Form {
     pub is_of_axis: bool,
     /// Decimals of values.
     pub value_decimals: u32,
-    /// Values are multiples of so many µm, 0 = of nothing; `None` = of the last decimal.
-    pub multiple_um: Option<f64>,
+    /// What they are rounded to; one count is that.
+    pub rounding: Rounding,
     /// Largest number that the control takes, either sign, as in the file.
     pub largest: f64,
     /// Size of 1 of a position, µm.
@@ -134,8 +145,13 @@ impl Form {
 
     /// What values are rounded to, µm; 0 = nothing.
     pub(crate) fn count_um(&self) -> f64 {
-        let last_um = self.value_um / crate::quantity::power_of_ten(self.value_decimals);
-        self.multiple_um.unwrap_or(last_um)
+        match self.rounding {
+            Rounding::LastDecimal => {
+                self.value_um / crate::quantity::power_of_ten(self.value_decimals)
+            }
+            Rounding::Multiple(um) => um,
+            Rounding::None => 0.0,
+        }
     }
 }
 

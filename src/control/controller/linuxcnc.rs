@@ -2,7 +2,7 @@
 
 use super::fact::{ControlUnit, Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
-use super::form::{Form, Listed, Order, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::UM_PER_MM;
 use crate::text::{section, words};
@@ -108,7 +108,7 @@ impl Listed for LinuxcncFacts {
             value_um: um,
             is_of_axis: false,
             value_decimals: self.value_decimals.value,
-            multiple_um: None,
+            rounding: Rounding::LastDecimal,
             largest: f64::INFINITY,
             position_um: um,
             position_decimals: self.position_decimals.value,

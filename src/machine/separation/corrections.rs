@@ -182,7 +182,7 @@ impl AngleEffects {
 
     /// Effects on a pass, µm by node; `None` where no angle was measured.
     pub fn of(&self, diagonal: Diagonal, pass: Pass) -> Option<&[f64]> {
-        Some(&self.by_pass.as_ref()?[diagonal][pass as usize])
+        Some(&self.by_pass.as_ref()?[diagonal][usize::from(pass == Pass::Reverse)])
     }
 }
 

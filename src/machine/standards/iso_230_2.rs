@@ -376,7 +376,10 @@ pub fn remarks(runs: &Runs, travel: Travel) -> Vec<Finding> {
 }
 
 const fn way(direction: Direction) -> &'static str {
-    ["up", "down"][direction as usize]
+    match direction {
+        Direction::Plus => "up",
+        Direction::Minus => "down",
+    }
 }
 
 /// How the figures are labelled: not according to the standard where a condition is not met.

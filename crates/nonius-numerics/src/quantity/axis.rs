@@ -86,7 +86,10 @@ impl Direction {
 
     /// The other direction.
     pub const fn opposite(self) -> Direction {
-        [Direction::Minus, Direction::Plus][self as usize]
+        match self {
+            Direction::Plus => Direction::Minus,
+            Direction::Minus => Direction::Plus,
+        }
     }
 }
 

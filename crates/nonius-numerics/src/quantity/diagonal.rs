@@ -57,8 +57,12 @@ impl Diagonal {
 
     /// Direction in which an axis travels on the forward run.
     pub const fn forward(self, axis: Axis) -> Direction {
-        // after PPP each names its negative axis, in the order of the axes
-        if self as usize == axis as usize + 1 { Direction::Minus } else { Direction::Plus }
+        match (self, axis) {
+            (Diagonal::Npp, Axis::X) | (Diagonal::Pnp, Axis::Y) | (Diagonal::Ppn, Axis::Z) => {
+                Direction::Minus
+            }
+            _ => Direction::Plus,
+        }
     }
 
     /// Direction in which an axis really travels on a pass.
@@ -71,7 +75,10 @@ impl Diagonal {
 
     /// s of the formulas: +1 where the axis travels positive on the forward run, else −1.
     pub const fn sign(self, axis: Axis) -> f64 {
-        [1.0, -1.0][self.forward(axis) as usize]
+        match self.forward(axis) {
+            Direction::Plus => 1.0,
+            Direction::Minus => -1.0,
+        }
     }
 }
 
