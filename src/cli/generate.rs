@@ -46,7 +46,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     }
     if options.dry_run {
         let inputs = inputs::read(files, &options.job)?;
-        let page = Page::of(kit::forecast(&inputs)?, None);
+        let page = Page::of_tables(kit::forecast(&inputs)?);
         let outcome = options.output.print.outcome(|| page.screen(), || page.document())?;
         let outcome = outcome.answering(page.verdict() == Verdict::Pass);
         return options

@@ -92,7 +92,7 @@ fn of_visit(design: &Design<'_>, index: usize, visit: &Visit) -> Value {
         "mirror_circle_mm": visit.mirror.map(|mirror| mirror.circle_mm),
         "expanded_um": PerTerm::from_fn(|term| visit.expanded_um(term)),
         "squareness_expanded_um_per_m": PerPlane::from_fn(|plane| expected.metric.squareness(plane).expanded_um_per_m()),
-        "together_expanded_um": visit.at_most_um(),
+        "together_expanded_um": visit.at_most_um,
         "second_passes": visit.chance,
         "not_determined": expected.missing(),
         "reversal_of": keys(&visit.reversals()),
@@ -135,7 +135,7 @@ impl VisitPlan<'_> {
     fn answer(&self) -> String {
         let described = &self.visits[0];
         let count = ErrorTerm::ALL.len() - described.expected.missing().len();
-        let at_most = described.at_most_um().filter(|_| described.open.is_empty());
+        let at_most = described.at_most_um.filter(|_| described.open.is_empty());
         let at_most = at_most.map(|um| format!(", the forecast is at most {um:.3} µm"));
         let keeps = match (self.limits(), described.reaches(self.design.job.acceptance)) {
             (None, _) => "; no acceptance is stated".to_string(),
@@ -205,7 +205,7 @@ impl VisitPlan<'_> {
                 "{name}\t{change}\t{:.0}\t{:.0}\t{open}\t{reversal}\t{}\t{chance}",
                 visit.minutes,
                 visit.variant.target_spacing_mm(),
-                um(visit.at_most_um())
+                um(visit.at_most_um)
             )
         };
         table(

@@ -214,7 +214,7 @@ fn of_own_tables<'a>(visit: &mut Visit, inputs: &'a Inputs) -> Result<verify::Pa
     visit.sizes = sizes.collect();
     let state = serde_json::to_value(&kit.manifest.state).ok();
     let verification = kit::verify(inputs, &kit.files, state.as_ref(), Vec::new())?;
-    Ok(verify::Page::of(verification, None))
+    Ok(verify::Page::of_kit(verification, kit.manifest.what_decides))
 }
 
 /// The files of a directory.

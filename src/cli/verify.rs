@@ -117,19 +117,27 @@ impl<'a> Page<'a> {
             let look = second_look(&verification, &second.measurement, corrected)?;
             Ok::<_, Problems>((second, look))
         });
-        let second = second.transpose()?;
-        Ok(Page::of(verification, second))
+        Ok(Page::of(verification, second.transpose()?).decided())
     }
 
     /// Tables, and a measurement with them active where there is one.
-    pub(super) fn of(
-        verification: Verification<'a>,
-        second: Option<(Second, SecondLook)>,
-    ) -> Page<'a> {
-        let inputs = verification.loaded.asked.inputs;
-        let mut page = Page { inputs, verification, second, decides: None };
-        page.decides = page.what_decides();
-        page
+    fn of(verification: Verification<'a>, second: Option<(Second, SecondLook)>) -> Page<'a> {
+        Page { inputs: verification.loaded.asked.inputs, verification, second, decides: None }
+    }
+
+    /// Tables that nobody has measured with.
+    pub(super) fn of_tables(verification: Verification<'a>) -> Page<'a> {
+        Page::of(verification, None).decided()
+    }
+
+    /// Those of a kit, of which what decides is known.
+    pub(super) fn of_kit(verification: Verification<'a>, decides: Option<WhatDecides>) -> Page<'a> {
+        Page { decides, ..Page::of(verification, None) }
+    }
+
+    fn decided(mut self) -> Page<'a> {
+        self.decides = self.what_decides();
+        self
     }
 }
 

@@ -14,8 +14,8 @@ mod figures;
 mod reasons;
 mod share;
 
-pub(crate) use self::figures::Missed;
 pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, Of, TermForecast};
+pub(crate) use self::figures::{Missed, shares};
 pub(crate) use self::reasons::terms_words;
 pub use self::reasons::{Grounds, Miss, RestsOn};
 pub use self::share::{JudgedRange, Machine};

@@ -4,7 +4,7 @@
 //! ```text
 //!   [program] or [measurement.step_diagonal] ─→ run ─→ variants ─┬→ motion ─→ minutes, mirror
 //!                                                                └→ readings of 0 ─→ separation ─→ U
-//!   acceptance ←─ forecast without tables ←─ error model ←─ error table of zeros with these U ←─┘
+//!   acceptance ←─ 95 % of the largest of all errors, drawn together ←── by readings and lines ←─┘
 //! ```
 //! U comes from the separation itself, the acceptance is judged as `generate` judges it, for a machine
 //! without errors and tables that leave nothing: what a variant misses here, no tables reach.
@@ -21,6 +21,7 @@ pub use self::variant::{Share, Variant, Visit};
 pub(crate) use self::what_decides::Judged;
 pub use self::what_decides::{Act, Measured, WhatDecides};
 use crate::judge::findings::joined;
+use crate::judge::forecast::shares;
 use crate::quantity::{Axis, PerAxis};
 use crate::text::{Finding, Problems, findings};
 
@@ -48,8 +49,10 @@ pub struct VisitPlan<'a> {
 pub fn plan<'a>(design: &'a Design<'a>) -> Result<VisitPlan<'a>, Problems> {
     let described = &design.described;
     let mut visits = vec![design.visit(described.clone())?];
-    let worst = visits[0].forecast.worst();
-    let parts = worst.map_or_else(Vec::new, |worst| visits[0].parts(design.job, &worst, None));
+    let worst = visits[0].worst.zip(visits[0].at_most_um);
+    let parts = worst.map_or_else(Vec::new, |(term, um)| {
+        shares(um, visits[0].expected.parts(design.job, term, None))
+    });
     let additions = design.additions(&visits[0], &parts);
     let one_way = described.run_as(|run| run.bidirectional = false);
     let ways = vec![one_way, described.turning()];
@@ -83,7 +86,7 @@ pub fn plan<'a>(design: &'a Design<'a>) -> Result<VisitPlan<'a>, Problems> {
         }
     }
     visits.iter_mut().for_each(|visit| visit.chance = design.chance(visit));
-    Ok(VisitPlan { design, decides: visits[0].largest(parts), visits, forecast, second })
+    Ok(VisitPlan { design, decides: visits[0].most(parts), visits, forecast, second })
 }
 
 /// All changes together but for the runs. A return pass is not given up: without it the reversal is mixed into the
@@ -194,7 +197,7 @@ impl Design<'_> {
 impl Visit {
     /// What this visit leaves open or mixed up, the gravest first.
     pub(crate) fn shortcomings(&self) -> Vec<Finding> {
-        let ranges = self.forecast.ranges.iter().filter(|range| !range.is_known());
+        let ranges = self.ranges.iter().filter(|range| !range.is_known());
         let ranges = ranges.map(|range| Assumed::NotCounted { words: range.missing() }.into());
         let missing = self.expected.missing();
         let no_u = joined(self.open.iter().filter(|term| !missing.contains(term)));

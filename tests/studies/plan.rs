@@ -176,7 +176,7 @@ fn as_many_second_measurements_pass_as_a_plan_promises() {
     let rows = [first, linear, three, set_ups, turn, high, middle];
     for ((index, row), factor) in (0..).zip(rows).zip([1.6, 1.7, 1.7, 1.5, 1.6, 1.7, 1.7]) {
         let text = row.text().replace("uncertainty]\n", "uncertainty]\nangle_urad = 0\n");
-        let limit_um = factor * row.visit(&read(&text)).at_most_um().unwrap();
+        let limit_um = factor * row.visit(&read(&text)).at_most_um.unwrap();
         let job = read(&format!("{text}[acceptance]\nmax_deviation_um = {limit_um}\n"));
         let planned = row.visit(&job);
         let promised = Design::of(&job, None, TIMES).unwrap().chance(&planned).unwrap();
@@ -299,7 +299,7 @@ fn a_variant_opens_what_it_measures_and_the_cheapest_that_will_do_is_found() {
     let cheapest = &open[forecast.unwrap()];
     assert_eq!(cheapest.variant.linear.len(), 2, "two linear axes determine all");
     assert_eq!(cheapest.reversals(), cheapest.variant.linear);
-    let u = |visit: &Visit| visit.at_most_um().unwrap();
+    let u = |visit: &Visit| visit.at_most_um.unwrap();
     let limit = |um: f64| format!("[acceptance]\nmax_deviation_um = {um}\n");
     let (_, tight, forecast, second) = planned(&limit(0.8 * u(cheapest)));
     let better = &tight[forecast.unwrap()];

@@ -133,6 +133,12 @@ impl Sizes {
         self.terms.iter().map(|(_, um)| *um).fold(0.0, f64::max)
     }
 
+    /// The term with it.
+    pub(crate) fn worst(&self) -> ErrorTerm {
+        let all = self.terms.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        all.map_or(ErrorTerm::ALL[0], |(term, _)| term)
+    }
+
     /// The largest of a diagonal.
     pub(crate) fn ranges_um(&self) -> f64 {
         self.diagonals.iter().map(|(_, um)| *um).fold(0.0, f64::max)

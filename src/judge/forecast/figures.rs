@@ -223,11 +223,6 @@ pub(crate) struct Missed {
 }
 
 impl Missed {
-    /// What the largest of its kind is at most in other figures, µm.
-    pub(crate) fn of(&self, figures: &Forecast) -> Option<f64> {
-        figures.at_most_um(&self.kind(figures))
-    }
-
     /// What is doubtful of all of its kind in other figures, µm.
     pub(crate) fn doubtful_of(&self, figures: &Forecast) -> f64 {
         let doubtful = &figures.doubtful;
@@ -244,14 +239,19 @@ impl Missed {
         self.diagonal.map_or_else(|| figures.all_terms(), |_| figures.all_diagonals())
     }
 
-    /// Parts of a variance as parts of the uncertainty in µm, the largest first; without what no printed digit shows.
-    pub(crate) fn shares<T>(&self, mut parts: Vec<(T, f64)>) -> Vec<(T, f64)> {
-        let all: f64 = parts.iter().map(|(_, square)| square).sum();
-        parts.iter_mut().for_each(|(_, part)| *part = self.parts_um * (*part / all).sqrt());
-        parts.retain(|(_, um)| *um >= SHARE_UM);
-        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-        parts
+    /// Parts of a variance as parts of the uncertainty ([`shares`]).
+    pub(crate) fn shares<T>(&self, parts: Vec<(T, f64)>) -> Vec<(T, f64)> {
+        shares(self.parts_um, parts)
     }
+}
+
+/// Parts of a variance as parts of an uncertainty in µm, the largest first; without what no printed digit shows.
+pub(crate) fn shares<T>(um: f64, mut parts: Vec<(T, f64)>) -> Vec<(T, f64)> {
+    let all: f64 = parts.iter().map(|(_, square)| square).sum();
+    parts.iter_mut().for_each(|(_, part)| *part = um * (*part / all).sqrt());
+    parts.retain(|(_, um)| *um >= SHARE_UM);
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    parts
 }
 
 impl Forecast {
@@ -330,20 +330,12 @@ impl Forecast {
             (asked.max_deviation_um, self.all_terms()),
             (asked.max_diagonal_um, self.all_diagonals()),
         ];
-        let mut missed = all.into_iter().filter_map(|(limit_um, all)| {
-            let verdict = self.judge(&all, limit_um?);
-            Some(Missed { limit_um: limit_um?, verdict, ..self.worst_of(&all)? })
-        });
+        let mut missed = all.into_iter().filter_map(|(limit, all)| self.worst_of(&all, limit?));
         missed.find(|missed| missed.verdict != Verdict::Pass)
     }
 
-    /// The error that is at most most, whatever the limit is.
-    pub(crate) fn worst(&self) -> Option<Missed> {
-        self.worst_of(&self.all_terms())
-    }
-
-    /// The figure that is at most most.
-    fn worst_of(&self, all: &Judged<'_>) -> Option<Missed> {
+    /// The figure that is at most most, beside their limit.
+    fn worst_of(&self, all: &Judged<'_>, limit_um: f64) -> Option<Missed> {
         let at_most_um = self.at_most_um(all)?;
         let stated = all.each.iter().filter(|own| own.change.at_most_um.is_some());
         let at_most = |own: &&Own<'_>| own.change.at_most_um.unwrap_or(0.0);
@@ -358,7 +350,7 @@ impl Forecast {
             Of::Diagonal(diagonal) => (diagonal.to_string(), Some(*diagonal)),
             Of::Terms | Of::Diagonals => return None,
         };
-        let (limit_um, verdict) = (f64::INFINITY, Verdict::Pass);
+        let verdict = self.judge(all, limit_um);
         Some(Missed {
             name,
             diagonal,

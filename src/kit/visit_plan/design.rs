@@ -1,19 +1,19 @@
 //! What the job says of the visit, and what one variant of it costs and gives.
 
-use super::variant::{Variant, Visit, expanded_um};
-use crate::inputs::error_table::{ErrorTable, write};
+use super::variant::{DIGITS, Variant, Visit, expanded_um};
+use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{
     DiagonalMeasurement, GridRequest, Job, Linear, LinearSlope, MeasuredData, Measurement,
     ProgramRequest, RunType,
 };
-use crate::judge::after::alone;
-use crate::judge::forecast::Forecast;
-use crate::machine::model::ErrorModel;
+use crate::judge::forecast::range_of;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
-use crate::machine::separation::{Instrument, Part, Separation, expected, table};
-use crate::quantity::{Axis, Diagonal, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, PerTerm};
-use crate::text::{Problem, Problems, Source};
+use crate::machine::separation::{Instrument, Part, Separation, expected};
+use crate::quantity::{
+    Axis, Diagonal, ErrorTerm, Millimetres, Pass, PathKind, PerAxis, PerTerm, rounded,
+};
+use crate::text::{Problem, Problems};
 use crate::write::program::motion;
 use crate::write::target::wants;
 use serde::Serialize;
@@ -179,10 +179,19 @@ impl<'a> Design<'a> {
         let expected = expected(&campaign, passes, variant.run.runs, noise_um, &self.change_um);
         let is_open =
             |term: &ErrorTerm| wants(&job, *term) && expanded_um(&expected, *term).is_none();
+        let has_diagonals = job.acceptance.max_diagonal_um.is_some()
+            && expected.missing().is_empty()
+            && !expected.is_one_way(&job);
+        let largest = expected.largest(&job, has_diagonals);
+        let diagonals = largest.as_ref().filter(|_| has_diagonals);
+        let range = |axis| range_of(&job, axis, &expected.volume.positions(axis));
         let visit = Visit {
             minutes: self.minutes(&variant),
             mirror: motion(&variant.run).mirror,
-            forecast: forecast_of(&job, &expected)?,
+            at_most_um: largest.as_ref().map(|of| rounded(of.all_um, DIGITS)),
+            diagonals_at_most_um: diagonals.map(|of| rounded(of.ranges_um, DIGITS)),
+            worst: largest.as_ref().map(|of| of.single.worst()),
+            ranges: Axis::ALL.into_iter().filter_map(range).collect(),
             open: ErrorTerm::ALL.into_iter().filter(is_open).collect(),
             lines: campaign.lines,
             variant,
@@ -297,12 +306,4 @@ fn no_run(job: &Job) -> Problem {
     };
     job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
         .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/measuring.md); `nonius new … --readings` writes them")
-}
-
-/// The forecast of the error table that `separate` would write, as if no table were loaded.
-fn forecast_of(job: &Job, expected: &Separation) -> Result<Forecast, Problems> {
-    let draft = table::draft(expected, job, Vec::new());
-    let source = Source::from_bytes("expected errors", write(&draft).as_bytes())?;
-    let model = ErrorModel::build(job, &ErrorTable::read(source)?)?;
-    Ok(alone(&model, job))
 }

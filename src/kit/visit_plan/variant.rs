@@ -1,10 +1,8 @@
 //! One way to make a visit, and what it costs and gives.
 
-use crate::inputs::job::{Acceptance, Job, ProgramRequest};
-use crate::judge::conformity::Verdict;
-use crate::judge::forecast::{Forecast, Missed};
+use crate::inputs::job::{Acceptance, ProgramRequest};
+use crate::judge::forecast::JudgedRange;
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{MeasuredLine, Part, Separation};
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, Rotation, larger, rounded};
 use crate::text::joined;
@@ -153,8 +151,16 @@ pub struct Visit {
     pub lines: Vec<MeasuredLine>,
     /// What the separation will say of readings: uncertainties and what stays open.
     pub expected: Separation,
-    /// The verdict of `generate` where neither machine nor tables leave anything.
-    pub forecast: Forecast,
+    /// What the forecast of all determined terms is at most where neither machine nor tables leave anything: the smallest
+    /// `max_deviation_um` that it can pass, µm; `None` = an uncertainty is not known.
+    pub at_most_um: Option<f64>,
+    /// The same of max − min along the diagonals, µm; `None` also where no limit is asked for, or some error that they
+    /// add up is not known, or in one direction only.
+    pub(super) diagonals_at_most_um: Option<f64>,
+    /// The error that is at most most.
+    pub(super) worst: Option<ErrorTerm>,
+    /// How much of what is judged is measured.
+    pub(crate) ranges: Vec<JudgedRange>,
     /// Terms that the job wants and that are not determined, or without a known U.
     pub open: Vec<ErrorTerm>,
     /// Probability that a second measurement made likewise passes; `None` = not computed, or nothing is asked.
@@ -167,29 +173,8 @@ impl Visit {
         expanded_um(&self.expected, term)
     }
 
-    /// What the forecast of all determined terms is at most: the smallest `max_deviation_um` that it can pass, µm.
-    pub fn at_most_um(&self) -> Option<f64> {
-        self.forecast.all_at_most_um()
-    }
-
-    /// What makes U of what is at most most: parts in µm that make it together as squares, the largest first.
-    pub(super) fn parts(
-        &self,
-        job: &Job,
-        worst: &Missed,
-        found: Option<&ErrorModel>,
-    ) -> Vec<(Part, f64)> {
-        let value = found.map(value_um);
-        let value = value.as_ref().map(|value| value as Measured<'_>);
-        worst.shares(match (worst.diagonal, ErrorTerm::from_name(&worst.name)) {
-            (Some(diagonal), _) => self.expected.parts_along(diagonal),
-            (None, Some(term)) => self.expected.parts(job, term, value),
-            (None, None) => Vec::new(),
-        })
-    }
-
     /// The three largest parts of U.
-    pub(super) fn largest(&self, parts: Vec<(Part, f64)>) -> Vec<Share> {
+    pub(super) fn most(&self, parts: Vec<(Part, f64)>) -> Vec<Share> {
         let linear = |part: Part| {
             let Part::Line(index) = part else { return None };
             Axis::ALL.into_iter().find(|axis| self.lines[index].direction[*axis] > 0.999)
@@ -206,7 +191,17 @@ impl Visit {
 
     /// Whether all wanted terms are determined and their U alone keeps the acceptance.
     pub fn reaches(&self, acceptance: Acceptance) -> bool {
-        self.open.is_empty() && self.forecast.verdict(acceptance) == Verdict::Pass
+        let Acceptance { max_deviation_um, max_diagonal_um, .. } = acceptance;
+        let is_asked = max_deviation_um.is_some() || max_diagonal_um.is_some();
+        let is_silent = !self.expected.silence.not_stated.is_empty();
+        let keeps = |at_most_um: Option<f64>, limit_um: Option<f64>| {
+            limit_um.is_none_or(|limit_um| at_most_um.is_some_and(|um| um <= limit_um))
+        };
+        self.open.is_empty()
+            && !(is_silent && max_deviation_um.is_some())
+            && keeps(self.at_most_um, max_deviation_um)
+            && keeps(self.diagonals_at_most_um, max_diagonal_um)
+            && !(is_asked && self.ranges.iter().any(|range| !range.is_known()))
     }
 }
 

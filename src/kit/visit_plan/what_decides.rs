@@ -8,7 +8,7 @@ use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::joint::{Found, Outlook};
+use crate::machine::separation::joint::{Found, Measured as Value, Outlook};
 use crate::machine::separation::table::ErrorSource;
 use crate::machine::separation::{Part, Separation};
 use crate::quantity::{Axis, ErrorTerm, Rotation, Squared, rounded};
@@ -111,7 +111,13 @@ impl Judged<'_> {
     fn of_readings(&self, found: &Separation, missed: &Missed) -> Option<(Vec<Share>, Vec<Act>)> {
         let design = Design::made(self.job, found).ok()?;
         let described = design.visit(design.described.clone()).ok()?;
-        let parts = described.parts(self.job, missed, self.expected.map(|_| self.model));
+        let value = self.expected.map(|_| value_um(self.model));
+        let value = value.as_ref().map(|value| value as Value<'_>);
+        let parts = missed.shares(match (missed.diagonal, ErrorTerm::from_name(&missed.name)) {
+            (Some(diagonal), _) => described.expected.parts_along(diagonal),
+            (None, Some(term)) => described.expected.parts(self.job, term, value),
+            (None, None) => Vec::new(),
+        });
         let additions = design.additions(&described, &parts);
         let all = together(&described.variant, &additions);
         let act = |visit: &Visit, remade: bool| self.act(&described, visit, missed, remade);
@@ -136,7 +142,7 @@ impl Judged<'_> {
         if self.expected.is_some() && !acts.iter().any(Act::passes) {
             acts.extend(cheapest(true));
         }
-        Some((described.largest(parts), acts))
+        Some((described.most(parts), acts))
     }
 
     /// Of an error table the noise that the job states becomes less in the mean of more runs; nothing else is known.
@@ -208,7 +214,7 @@ impl Judged<'_> {
         let left_um = doubtful_um + missed.left_of(self.expected?);
         let room_um = missed.limit_um - left_um;
         let (um, is_sure) = match missed.diagonal {
-            Some(_) => missed.of(&visit.forecast).map(|um| (um, um <= room_um))?,
+            Some(_) => visit.diagonals_at_most_um.map(|um| (um, um <= room_um))?,
             None => sure(visit.expected.outlook(self.job, None, room_um)?),
         };
         Some((left_um + um, is_sure))
@@ -225,12 +231,13 @@ impl Judged<'_> {
         let [next, found] =
             [visit, own].map(|of| of.expected.noise.and_then(|of| of.freedom_f64()));
         let ratio = FisherSnedecor::new(next.unwrap_or(MANY), found.unwrap_or(MANY)).ok()?;
-        let parts = visit.parts(self.job, &visit.forecast.worst()?, None);
-        let square = |of: &[(Part, f64)]| of.iter().map(|(_, um)| um.squared()).sum::<f64>();
-        let noise: Vec<_> = parts.iter().copied().filter(|of| of.0 == Part::Noise).collect();
-        let more = square(&noise) / square(&parts) * (ratio.inverse_cdf(SURE) - 1.0);
-        let room = (1.0 + more).sqrt() - 1.0;
-        Some(self.scaled(missed, missed.of(&visit.forecast)? / missed.of(&own.forecast)?, room))
+        let share = visit.expected.share_of_noise(self.job, visit.worst?);
+        let room = (1.0 + share * (ratio.inverse_cdf(SURE) - 1.0)).sqrt() - 1.0;
+        let at_most_um = |of: &Visit| match missed.diagonal {
+            Some(_) => of.diagonals_at_most_um,
+            None => of.at_most_um,
+        };
+        Some(self.scaled(missed, at_most_um(visit)? / at_most_um(own)?, room))
     }
 
     /// The same with so many times the uncertainty; what was measured as left will be another draw of it.

@@ -60,64 +60,41 @@ pub(super) struct Table<'a> {
 /// How many times causes act.
 type Acting = Vec<(usize, Lanes)>;
 
+/// Draws of a table, [`LANES`] at a time.
+struct Drawn {
+    /// The values of all curves, without angles.
+    values: Vec<Vec<Lanes>>,
+    /// Standard deviation of each, without the laser that another measurement repeats.
+    u: Vec<f64>,
+    /// Of what another measurement repeats: angles, one after the other, then the laser.
+    repeated: Vec<Acting>,
+}
+
+impl Separation {
+    /// How far the largest error of the table of a job may lie off in a forecast, with max − min along the diagonals where
+    /// it is asked for; `None` where an uncertainty is not known.
+    pub(crate) fn largest(&self, job: &Job, diagonals: bool) -> Option<LargestErrors> {
+        let table = Table::new(self, job);
+        table.drawn().map(|drawn| table.largest(job, &drawn, diagonals))
+    }
+
+    /// Whether the table of a job holds one of the measured directions of an axis alone.
+    pub(crate) fn is_one_way(&self, job: &Job) -> bool {
+        directions(self, job).iter().any(|(_, ways)| matches!(ways.as_slice(), [Some(_)]))
+    }
+}
+
 impl<'a> Table<'a> {
     /// Says of a table how far its errors may lie off, with 95 %, and what may falsify them; nothing of the former where
     /// an uncertainty is not known.
     pub(super) fn remarks(&self, job: &Job, said: Remarks) -> Remarks {
         let said = Remarks { doubtful: self.doubtful(), ..said };
-        if !self.is_known() {
-            return said;
-        }
-        let angles = &self.of.model.angles;
-        let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
-        // What another measurement does not repeat; how many times the laser acts that it repeats.
-        let anew = |first| {
-            let mut random = randoms(first);
-            let noise = random.each_mut().map(|random| self.estimate(random));
-            self.rows.drawn(noise, &mut random, self.laser)
-        };
-        let (mut drawn, lasers): (Vec<Vec<Lanes>>, Vec<Lanes>) =
-            each(DRAWS, anew).into_iter().unzip();
-        let u = root_mean_squares(&drawn);
-        let mut with_laser = u.clone();
+        let Some(drawn) = self.drawn() else { return said };
+        let mut with_laser = drawn.u.clone();
         if let Some(at) = self.laser {
             let laser = self.rows.made_by(&[(at, [1.0; LANES])]);
-            let each = drawn.iter_mut().zip(&lasers);
-            each.for_each(|(anew, times)| self.rows.add(&[(at, *times)], anew));
             with_laser.iter_mut().zip(&laser).for_each(|(u, [um, ..])| *u = u.hypot(*um));
         }
-        let ranges = each(DRAWS, |first| self.ranges(&drawn[first / LANES]));
-        let at_most = self.ranges_at_most();
-        let at_most = PerDiagonal::from_fn(|d| [at_most[d]; LANES]);
-        let repeated: Vec<Acting> = each(DRAWS, |first| self.repeated(first));
-        let times = |first: usize| {
-            let mut random = randoms(2 * DRAWS + first);
-            from_fn(|lane| {
-                let share = (first + lane) as f64 + 0.5;
-                student(share / DRAWS as f64, None) * self.estimate(&mut random[lane])
-            })
-        };
-        let repeats_nothing = self.laser.is_none() && orders.iter().all(Vec::is_empty);
-        let times: Vec<Lanes> = match repeats_nothing {
-            true => vec![[student(CONFIDENCE, self.freedom()); LANES]; drawn.len()],
-            false => each(DRAWS, times),
-        };
-        let measured = alike(&self.um);
-        let of_order = |order: &Vec<usize>| {
-            let of_draws = |first: usize| {
-                let (at, anew) = (first / LANES, &drawn[first / LANES]);
-                let acting = acting(order, &repeated[at]);
-                let left = self.terms(anew, &acting[..order.len()], [0.0; LANES], &u);
-                let found = self.terms(&measured, &acting, times[at], &u);
-                (sizes(&left, &ranges[at]), sizes(&found, &at_most))
-            };
-            let (left, found): (Vec<_>, Vec<_>) = each(DRAWS, of_draws).into_iter().unzip();
-            [left, found].map(|draws| quantiles(zero(job), draws.as_flattened()))
-        };
-        let all = orders.iter().map(of_order);
-        let worst = all.reduce(|[a, b], [c, d]| [a.joined(&c, larger), b.joined(&d, larger)]);
-        let [forecast, found] = worst.map_or([None, None], |each| each.map(Some));
-        let values = quantiles(zero(job), &[self.sizes(&measured)]);
         let sizes_of = |u: &[f64]| {
             let terms = self.terms(&self.rows.made_by(&[]), &[], [1.0; LANES], u);
             let [sizes, ..] = sizes(&terms, &PerDiagonal::from_fn(|_| [0.0; LANES]));
@@ -125,12 +102,82 @@ impl<'a> Table<'a> {
         };
         let instrument = job.measurement.instrument.clone().filter(|_| self.laser.is_some());
         Remarks {
-            largest: forecast,
-            measured: found.map(|at_most| at_most.joined(&values, |a, b| a - b)),
-            anew: (!angles.is_empty()).then(|| sizes_of(&with_laser)),
-            same_laser: instrument.map(|instrument| (instrument, sizes_of(&u))),
+            largest: Some(self.largest(job, &drawn, true)),
+            measured: Some(self.measured(job, &drawn)),
+            anew: (!self.of.model.angles.is_empty()).then(|| sizes_of(&with_laser)),
+            same_laser: instrument.map(|instrument| (instrument, sizes_of(&drawn.u))),
             ..said
         }
+    }
+
+    /// Draws of all curves; `None` where an uncertainty is not known.
+    fn drawn(&self) -> Option<Drawn> {
+        let anew = |first| {
+            let mut random = randoms(first);
+            let noise = random.each_mut().map(|random| self.estimate(random));
+            self.rows.drawn(noise, &mut random, self.laser)
+        };
+        self.is_known().then(|| {
+            let (mut values, lasers): (Vec<Vec<Lanes>>, Vec<Lanes>) =
+                each(DRAWS, anew).into_iter().unzip();
+            let u = root_mean_squares(&values);
+            if let Some(at) = self.laser {
+                let each = values.iter_mut().zip(&lasers);
+                each.for_each(|(anew, times)| self.rows.add(&[(at, *times)], anew));
+            }
+            Drawn { values, u, repeated: each(DRAWS, |first| self.repeated(first)) }
+        })
+    }
+
+    /// How far the largest may lie off in a forecast.
+    fn largest(&self, job: &Job, drawn: &Drawn, diagonals: bool) -> LargestErrors {
+        let nothing = PerDiagonal::from_fn(|_| [0.0; LANES]);
+        self.quantiles(job, drawn, |at, acting| {
+            let values = &drawn.values[at];
+            let angles = acting.len() - usize::from(self.laser.is_some());
+            let left = self.terms(values, &acting[..angles], [0.0; LANES], &drawn.u);
+            sizes(&left, &if diagonals { self.ranges(values) } else { nothing.clone() })
+        })
+    }
+
+    /// How far it may lie beyond the largest that was measured.
+    fn measured(&self, job: &Job, drawn: &Drawn) -> LargestErrors {
+        let at_most = self.ranges_at_most();
+        let at_most = PerDiagonal::from_fn(|d| [at_most[d]; LANES]);
+        let times = |first: usize| {
+            let mut random = randoms(2 * DRAWS + first);
+            from_fn(|lane| {
+                let share = (first + lane) as f64 + 0.5;
+                student(share / DRAWS as f64, None) * self.estimate(&mut random[lane])
+            })
+        };
+        let repeats_nothing = drawn.repeated.iter().all(Vec::is_empty);
+        let times: Vec<Lanes> = match repeats_nothing {
+            true => vec![[student(CONFIDENCE, self.freedom()); LANES]; drawn.values.len()],
+            false => each(DRAWS, times),
+        };
+        let measured = alike(&self.um);
+        let found = self.quantiles(job, drawn, |at, acting| {
+            sizes(&self.terms(&measured, acting, times[at], &drawn.u), &at_most)
+        });
+        found.joined(&quantiles(zero(job), &[self.sizes(&measured)]), |a, b| a - b)
+    }
+
+    /// The 95 % quantiles of something of all draws, in that order of the axes in which they are largest.
+    fn quantiles(
+        &self,
+        job: &Job,
+        drawn: &Drawn,
+        of: impl Fn(usize, &[(usize, Lanes)]) -> [Sizes; LANES] + Sync,
+    ) -> LargestErrors {
+        let angles = &self.of.model.angles;
+        let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
+        let of_order = |order: &Vec<usize>| {
+            let of = |first| of(first / LANES, &acting(order, &drawn.repeated[first / LANES]));
+            quantiles(zero(job), each(DRAWS, of).as_flattened())
+        };
+        let none = LargestErrors { zero: zero(job), ..LargestErrors::default() };
+        orders.iter().map(of_order).fold(none, |worst, own| worst.joined(&own, larger))
     }
 
     /// What max − min along each diagonal was at most: its readings are direct, whatever the separation makes of them.

@@ -71,15 +71,13 @@ impl Separation {
         term: ErrorTerm,
         errors: Option<Measured<'_>>,
     ) -> Vec<(Part, f64)> {
-        let table = Table::new(self, job);
-        let points = table.points();
-        let row = |place: usize| table.rows.rows[place / points].at(float(place % points));
-        let values = table.values(errors).into_iter().enumerate();
-        let own = values.filter(|(place, _)| table.curves[place / points].term == term);
-        let u = |place| larger(self.model.variance(&row(place)).all, 0.0).sqrt();
-        let at_most = own.map(|(place, um)| (place, um.abs() + 2.0 * u(place)));
-        let worst = at_most.max_by(|a, b| a.1.total_cmp(&b.1));
-        worst.map_or_else(Vec::new, |(place, _)| self.model.parts(&row(place)))
+        self.model.parts(&Table::new(self, job).worst(term, errors))
+    }
+
+    /// The share of the noise in the variance of the error of a term that is least certain.
+    pub(crate) fn share_of_noise(&self, job: &Job, term: ErrorTerm) -> f64 {
+        let variance = self.model.variance(&Table::new(self, job).worst(term, None));
+        variance.noise / variance.all
     }
 
     /// What the variance of the displacement along a diagonal is made of; unmeasured angles do not change it.
@@ -93,6 +91,20 @@ impl Separation {
 }
 
 impl Table<'_> {
+    /// What the value of a term hangs on that is least certain; of values, that is at most most.
+    fn worst(&self, term: ErrorTerm, errors: Option<Measured<'_>>) -> Row {
+        let values = self.values(errors);
+        let of_curve = |(index, _): (usize, &TableCurve)| {
+            let rows = &self.rows.rows[index];
+            let u_um = rows.variances(&self.of.model).into_iter().map(|of| of.all.sqrt());
+            let each = u_um.zip(self.curve(&values, index)).enumerate();
+            each.map(move |(place, (u_um, um))| (rows, place, um.abs() + 2.0 * u_um))
+        };
+        let own = self.curves.iter().enumerate().filter(|(_, curve)| curve.term == term);
+        let worst = own.flat_map(of_curve).max_by(|a, b| a.2.total_cmp(&b.2));
+        worst.map_or_else(Row::default, |(rows, place, _)| rows.at(float(place)))
+    }
+
     /// Something of u² of each value, without angles and what the laser repeats.
     fn variances(&self, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
