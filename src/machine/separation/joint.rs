@@ -136,7 +136,8 @@ impl<'a> Table<'a> {
             let values = &drawn.values[at];
             let angles = acting.len() - usize::from(self.laser.is_some());
             let left = self.terms(values, &acting[..angles], [0.0; LANES], &drawn.u);
-            sizes(&left, &if diagonals { self.ranges(values) } else { nothing.clone() })
+            let ranges = if diagonals { self.ranges(values) } else { nothing };
+            sizes(&left, &ranges)
         })
     }
 
