@@ -41,11 +41,6 @@ impl Family for DeclaredFacts {
         }))
     }
 
-    /// A pair of axes has one table.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        listed::load(held, file, |own, new| own.is_for(&new.base, &new.output));
-    }
-
     fn may_obey(&self, text: &str) -> bool {
         if self.typed.is_some() {
             return text.contains("position_mm");

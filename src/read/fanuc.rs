@@ -68,13 +68,6 @@ impl Family for FanucFacts {
         Ok(Box::new(control::control(tables.own(), self, state)?))
     }
 
-    fn load(&self, held: &mut Tables, file: Tables) {
-        if let (Tables::Fanuc(held), Tables::Fanuc(file)) = (held, file) {
-            held.parameters.extend(file.parameters);
-            held.points.extend(file.points);
-        }
-    }
-
     /// Numbered blocks.
     fn may_obey(&self, text: &str) -> bool {
         text.split(['\n', '\r']).any(|line| number(line).is_some())

@@ -37,13 +37,6 @@ impl Family for LinuxcncFacts {
         Ok(Box::new(listed::control(tables.own(), self, state)?))
     }
 
-    /// A joint has one table; a HAL file takes the place of another.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        listed::load(held, file, |own, new| {
-            own.is_own() == new.is_own() && (!own.is_own() || own.output == new.output)
-        });
-    }
-
     fn may_obey(&self, text: &str) -> bool {
         let is_hal = self.cross_terms.value == CrossTerms::Hal && files::is_hal(text);
         let begins_with_a_row =

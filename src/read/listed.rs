@@ -9,7 +9,7 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Form, Listed, Outside, ValueForm};
-use crate::control::table::{ListedTable, ListedTables, Point, Tables};
+use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::quantity::{Correction, Direction, Figure, Millimetres, UM_PER_MM, power_of_ten};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 
@@ -38,22 +38,6 @@ pub(super) fn control(
         known_axis(state, &pair.output)?;
     }
     Ok(PairControl { pairs, replaces_backlash: own.replaces_parameter(), state: state.clone() })
-}
-
-/// The tables of a file take the places of those held that they replace; the others stay.
-pub(super) fn load(
-    held: &mut Tables,
-    file: Tables,
-    replaces: impl Fn(&ListedTable, &ListedTable) -> bool,
-) {
-    match (held, file) {
-        (Tables::Listed(held), Tables::Listed(file)) => {
-            let stays = |own: &ListedTable| !file.tables.iter().any(|new| replaces(own, new));
-            held.tables.retain(stays);
-            *held = ListedTables::of([std::mem::take(&mut held.tables), file.tables].concat());
-        }
-        (held, file) => *held = file,
-    }
 }
 
 fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emulated<Pair> {

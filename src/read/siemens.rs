@@ -61,13 +61,6 @@ impl Family for SiemensFacts {
         Ok(Box::new(control::control(tables.own(), self, state)?))
     }
 
-    fn load(&self, held: &mut Tables, file: Tables) {
-        if let (Tables::Siemens(held), Tables::Siemens(file)) = (held, file) {
-            held.tables.retain(|known| file.at(&known.place).is_none());
-            held.tables.extend(file.tables);
-        }
-    }
-
     /// A program of whatever kind has an end word.
     fn may_obey(&self, text: &str) -> bool {
         let is_end_word = |line: Range<usize>| {

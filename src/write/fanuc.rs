@@ -102,17 +102,6 @@ impl Family for FanucFacts {
         })
     }
 
-    fn uses(&self, mechanism: Mechanism, plan: &Plan, _tables: &Tables) -> bool {
-        let crosses = plan.has_cross();
-        match mechanism {
-            Mechanism::Pitch => plan.tables.iter().any(|t| t.term.is_positioning()),
-            Mechanism::Bidirectional => plan.tables.iter().any(|t| t.direction.is_some()),
-            Mechanism::Straightness => crosses,
-            Mechanism::FourPoint | Mechanism::PerPoint => crosses && self.has(mechanism),
-            _ => true,
-        }
-    }
-
     /// `parameters` (one block each, with its segments) and `points`.
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let memory: &FanucMemory = emitted.tables.own();
@@ -139,16 +128,15 @@ impl Family for FanucFacts {
         }
     }
 
-    fn has(&self, mechanism: Mechanism) -> bool {
+    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
         match mechanism {
-            Mechanism::FourPoint => is_four_point(self),
-            Mechanism::PerPoint => !is_four_point(self),
+            Mechanism::Pitch => table.term.is_positioning(),
+            Mechanism::Bidirectional => table.direction.is_some(),
+            Mechanism::Straightness => table.term.is_cross(),
+            Mechanism::FourPoint => table.term.is_cross() && is_four_point(self),
+            Mechanism::PerPoint => table.term.is_cross() && !is_four_point(self),
             _ => true,
         }
-    }
-
-    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_positioning() == (mechanism == Mechanism::Pitch)
     }
 
     /// A straightness set of four points has no increments, but the control refuses a slope that is too

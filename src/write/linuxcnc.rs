@@ -45,7 +45,7 @@ impl Family for LinuxcncFacts {
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        (!self.has(Mechanism::Hal)).then_some(TableStock {
+        (self.cross_terms.value != CrossTerms::Hal).then_some(TableStock {
             resource: "tables for cross terms (COMP_FILE corrects its own joint only)",
             key: "terms",
             ..TableStock::default()
@@ -69,10 +69,6 @@ impl Family for LinuxcncFacts {
         Ok(Compiled { preconditions: preconditions(task, tables_of(&compiled.tables)), ..compiled })
     }
 
-    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        listed::uses([Mechanism::Comp, Mechanism::Hal], mechanism, tables)
-    }
-
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let unit = emitted.task.job.compensation.control_unit;
         let tables = tables_of(emitted.tables);
@@ -87,17 +83,16 @@ impl Family for LinuxcncFacts {
         joints.chain(self.corrections(&cross, state)).collect()
     }
 
-    fn has(&self, mechanism: Mechanism) -> bool {
-        mechanism != Mechanism::Hal || self.cross_terms.value == CrossTerms::Hal
-    }
-
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_cross() == (mechanism == Mechanism::Hal)
+        match mechanism {
+            Mechanism::Comp => table.term.is_positioning(),
+            Mechanism::Hal => table.term.is_cross(),
+            _ => true,
+        }
     }
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        let is_own = |planned: &PlannedTable| self.belongs(proof.mechanism, planned);
-        let mut tables = listed::proof_tables(self, proof, is_own);
+        let mut tables = listed::proof_tables(self, proof);
         self.pad(&mut tables);
         Some(tables)
     }

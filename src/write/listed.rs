@@ -4,12 +4,14 @@
 //! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
 //!   never adds up.
 
-use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
+use crate::control::controller::{Form, Listed, Order, Outside, Rounding, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
 use crate::write::control_text::fixed;
-use crate::write::family::{Compiled, Placement, ProofOf, backlash_text, column, control_state};
+use crate::write::family::{
+    Compiled, Family, Placement, ProofOf, backlash_text, column, control_state,
+};
 use crate::write::task::{Plan, PlannedTable, Task};
 
 /// A plan in the numbers of a control, without preconditions and notes.
@@ -60,22 +62,9 @@ pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable)
     }
 }
 
-/// Whether a kit uses the mechanism of tables of axes for themselves, or that of tables that follow another axis.
-pub(super) fn uses([own, cross]: [Mechanism; 2], mechanism: Mechanism, tables: &Tables) -> bool {
-    let mut tables = tables.own::<ListedTables>().tables.iter();
-    match mechanism {
-        it if it == own => tables.any(ListedTable::is_own),
-        it if it == cross => tables.any(|table| !table.is_own()),
-        _ => true,
-    }
-}
-
 /// The tables of one mechanism; both columns of those of the term have the bump.
-pub(super) fn proof_tables(
-    own: &impl Listed,
-    proof: &ProofOf<'_>,
-    belongs: impl Fn(&PlannedTable) -> bool,
-) -> Tables {
+pub(super) fn proof_tables<F: Listed + Family>(own: &F, proof: &ProofOf<'_>) -> Tables {
+    let belongs = |planned: &PlannedTable| own.belongs(proof.mechanism, planned);
     let form = |planned: &PlannedTable| form_of(own, proof.task, planned);
     let bump = |planned: &PlannedTable, _| {
         proof.deviations(planned.term == proof.term, planned.values.len())

@@ -107,16 +107,6 @@ impl Family for SiemensFacts {
         })
     }
 
-    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        let tables: &SiemensTables = tables.own();
-        match mechanism {
-            Mechanism::EncComp => tables.lec().next().is_some(),
-            Mechanism::Cec => tables.cec().next().is_some(),
-            Mechanism::CecProducts => tables.tables.iter().any(|table| table.multiply_by != 0),
-            _ => true,
-        }
-    }
-
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let tables: &SiemensTables = emitted.tables.own();
         let Emitted { task, compiled, placements, as_read, .. } = *emitted;
@@ -140,7 +130,11 @@ impl Family for SiemensFacts {
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        is_lec(table) == (mechanism == Mechanism::EncComp)
+        match mechanism {
+            Mechanism::EncComp => is_lec(table),
+            Mechanism::Cec => !is_lec(table),
+            mechanism => mechanism != Mechanism::CecProducts,
+        }
     }
 
     fn cut_off_um(&self, _task: Task<'_>, table: &PlannedTable) -> f64 {
