@@ -17,7 +17,7 @@ use crate::quantity::{Axis, PerAxis};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, ReadBack, file_name, quoted};
 use crate::read::findings::ReadFinding;
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, number, words};
+use crate::read::lexer::{Complaint, complaints, lines, located, number, words};
 use crate::text::{Finding, Problem, Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -151,17 +151,15 @@ struct List {
 fn list(file: &str, text: &str) -> Result<List, Problems> {
     let (tables, paths, formats) = (IsgTables::NONE, BTreeMap::new(), BTreeSet::new());
     let mut list = List { tables, paths, formats };
-    let (mut known, mut complaints) = (BTreeSet::new(), Vec::new());
-    for setting in lines(text).filter_map(|line| setting(text, line)) {
+    let mut known = BTreeSet::new();
+    let settings = lines(text).filter_map(|line| setting(text, line));
+    let mut complaints = complaints(settings, |setting| {
         let taken = match known.insert(setting.key.clone()) {
             true => list.take(&setting),
             false => Err("each key once"),
         };
-        complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
-        if complaints.len() >= MOST_COMPLAINTS {
-            break;
-        }
-    }
+        taken.map_err(|expected| wrong(&setting, expected))
+    });
     complaints.extend(list.missing().map(|missing| {
         let message = format!("the list does not say {missing}");
         Complaint::new(0..0, message, "name the complete list of the control")
@@ -277,25 +275,20 @@ struct Block {
 
 /// The parameters of a file.
 fn curves_of(file: &str, text: &str) -> Result<Vec<Curve>, Problems> {
-    let mut complaints: Vec<Complaint> = Vec::new();
     let mut curves: Vec<Curve> = Vec::new();
     let mut block: Option<Block> = None;
-    for line in lines(text) {
+    let mut complaints = complaints(lines(text), |line| {
         let comment = text[line.clone()].find("//");
         let line = line.start..comment.map_or(line.end, |at| line.start + at);
         let words = words(text, line.clone());
         let ended = words.first().is_some_and(|(word, _)| word.starts_with('#'));
-        let done = match (&mut block, &words[..]) {
+        match (&mut block, &words[..]) {
             (_, []) => Ok(()),
             (_, _) if ended => end(block.take(), &mut curves),
             (None, header) => begin(header, line).map(|begun| block = Some(begun)),
             (Some(block), row) => block.push(row, line),
-        };
-        complaints.extend(done.err());
-        if complaints.len() >= MOST_COMPLAINTS {
-            break;
         }
-    }
+    });
     complaints.extend(end(block, &mut curves).err());
     located(file, text, complaints).or_ok(curves)
 }

@@ -29,6 +29,14 @@ impl Complaint {
 /// How many complaints of one file are looked for: nobody reads further, and a binary file has millions.
 pub(super) const MOST_COMPLAINTS: usize = 200;
 
+/// What is wrong with the lines of a file, or what stands in them, taken one by one.
+pub(super) fn complaints<T>(
+    items: impl Iterator<Item = T>,
+    mut take: impl FnMut(T) -> Result<(), Complaint>,
+) -> Vec<Complaint> {
+    items.filter_map(|item| take(item).err()).take(MOST_COMPLAINTS).collect()
+}
+
 /// Complaints about a text with their places, in its order.
 pub(super) fn located(file: &str, text: &str, mut complaints: Vec<Complaint>) -> Problems {
     complaints.sort_by_key(|complaint| complaint.span.start);

@@ -265,7 +265,6 @@ pub(crate) fn stated_control(
             backlash_um: backlash_um(axis),
             bidirectional: is_bidirectional(axis),
             interpolated: settings.is_some_and(AxisSettings::is_interpolated),
-            travel: machine.reach(),
             ends: (machine.low, machine.high),
             rest: Millimetres::new(rest[axis]),
         }));

@@ -30,11 +30,7 @@ impl Family for FanucFacts {
     }
 
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
-        let decimals = match unit {
-            ControlUnit::Millimetre => self.interval_decimals_mm.value,
-            ControlUnit::Inch => self.interval_decimals_inch.value,
-        };
-        LengthDigit { unit, decimals }
+        LengthDigit { unit, decimals: self.interval_decimals(unit) }
     }
 
     fn takes_directions(&self, term: ErrorTerm) -> bool {

@@ -10,7 +10,7 @@ mod grids;
 use crate::control::controller::Profile;
 use crate::inputs::error_table::Heading;
 use crate::inputs::job::{BacklashPolicy, Job, Limits};
-use crate::quantity::{Axis, Deviation, ErrorTerm, PerAxis, UM_PER_MM};
+use crate::quantity::{Deviation, ErrorTerm, PerAxis, UM_PER_MM};
 use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped, joined};
 use crate::write::control_text::trimmed;
 use crate::write::family::family;
@@ -53,7 +53,6 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let mut plan = Plan {
         tables: Vec::new(),
         grids,
-        default_names: default_names(task, &names),
         names,
         backlash_um: backlash(task, &targets),
         omitted,
@@ -274,13 +273,6 @@ fn check_names(
     }
 }
 
-fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
-    let is_default = |axis: &Axis| {
-        !names[*axis].is_empty() && task.settings(*axis).is_none_or(|s| s.ids.is_empty())
-    };
-    Axis::ALL.into_iter().filter(is_default).collect()
-}
-
 // Corrections and slopes against `[limits]` of the job.
 //
 // A column whose unit slipped (micrometres under a heading in mm) passes both limits in every
@@ -329,18 +321,15 @@ fn check_limits(task: Task<'_>, tables: &[PlannedTable], problems: &mut Problems
         extents.filter(|(_, extent)| !extent.keeps(limits, 1.0)).collect();
     let no_machine = |(_, extent): &&(_, Extent)| extent.largest_um() > NO_MACHINE_UM;
     let is_likely = beyond.iter().any(|each| no_machine(&each));
-    let mut slipped: Vec<(&Heading, &PlannedTable, &Extent)> = Vec::new();
+    let mut slipped: Vec<(&String, (&Heading, &Extent))> = Vec::new();
     for (table, extent) in &beyond {
         match heading(task, table, extent).filter(|_| is_likely) {
-            Some(heading) => slipped.push((heading, table, extent)),
+            Some(heading) => slipped.push((&heading.place.file, (heading, extent))),
             None => check_table(task, table, extent, problems),
         }
     }
-    while let Some((first, ..)) = slipped.first() {
-        let file = first.place.file.clone();
-        let (own, others) = slipped.into_iter().partition(|s| s.0.place.file == file);
+    for (_, own) in grouped(slipped) {
         problems.push(unit_slip(limits, own));
-        slipped = others;
     }
 }
 
@@ -352,16 +341,16 @@ fn heading<'a>(task: Task<'a>, table: &PlannedTable, extent: &Extent) -> Option<
 }
 
 /// One sentence for all columns of a file.
-fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &PlannedTable, &Extent)>) -> Problem {
-    let mut headings: Vec<&Heading> = slipped.iter().map(|(heading, ..)| *heading).collect();
+fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &Extent)>) -> Problem {
+    let mut headings: Vec<&Heading> = slipped.iter().map(|(heading, _)| *heading).collect();
     headings.sort_by_key(|heading| heading.place.column);
     headings.dedup_by_key(|heading| heading.place.column);
     let names = |name: &dyn Fn(&Heading) -> String| {
         joined(headings.iter().map(|heading| format!("`{}`", name(heading))))
     };
     let largest = |a: &f64, b: &f64| a.total_cmp(b);
-    let corrections = slipped.iter().map(|(_, _, e)| e.largest_um());
-    let slopes = slipped.iter().map(|(_, _, e)| e.steepest.1);
+    let corrections = slipped.iter().map(|(_, e)| e.largest_um());
+    let slopes = slipped.iter().map(|(_, e)| e.steepest.1);
     let (um, slope) =
         (corrections.max_by(largest).unwrap_or(0.0), slopes.max_by(largest).unwrap_or(0.0));
     let message = format!(

@@ -12,7 +12,7 @@ pub(crate) use self::parameters::encoder;
 use self::parameters::{
     assumptions, at_reference, backlash_text, is_lec, largest_sum_um, preconditions,
 };
-use crate::control::control_state::ControlState;
+use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
@@ -176,7 +176,7 @@ fn shown(state: &ControlState, table: &SiemensTable) -> String {
     // The last point may lie behind the end of the travel: the axis cannot go there.
     let mm = |index: usize| grid.position(index) * state.unit.in_mm();
     let is_reached = |index: usize| {
-        state.axis(base).map(|own| own.travel).is_none_or(|(low, high)| {
+        state.axis(base).map(AxisState::travel).is_none_or(|[low, high]| {
             (low.mm() - ROUNDING_MM..=high.mm() + ROUNDING_MM).contains(&mm(index))
         })
     };

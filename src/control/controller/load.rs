@@ -385,21 +385,17 @@ impl Example {
     /// The control of the example, without its files.
     pub(crate) fn state(&self) -> ControlState {
         let axis = |own: &ExampleAxis| {
-            let [low, high] = own.travel_mm;
-            let reference = own.reference_mm;
-            let ends = [low, high].map(Millimetres::new);
-            let reach = [low.min(reference), high.max(reference)].map(Millimetres::new);
+            let reference = Millimetres::new(own.reference_mm);
             AxisState {
                 name: own.name.clone(),
-                reference: Millimetres::new(reference),
+                reference,
                 reference_direction: own.reference_direction,
                 detection_unit_um: own.detection_unit_um,
                 backlash_um: 0.0,
                 bidirectional: false,
                 interpolated: false,
-                travel: reach.into(),
-                ends: ends.into(),
-                rest: Millimetres::new(reference),
+                ends: own.travel_mm.map(Millimetres::new).into(),
+                rest: reference,
             }
         };
         ControlState { unit: self.unit, axes: self.axes.iter().map(axis).collect() }

@@ -6,7 +6,7 @@
 use crate::control::controller::{Columns, ControlUnit, LinuxcncFacts, MOST_JOINTS};
 use crate::control::table::{ListedTable, Point};
 use crate::quantity::rounded;
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, Words, lines, located, number, words};
+use crate::read::lexer::{Complaint, Words, complaints, lines, located, number, words};
 use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -76,38 +76,34 @@ fn setting<'a>(section: &'a str, line: &'a str, span: Range<usize>) -> Option<Se
 impl Ini {
     /// Reads the settings of concern that LinuxCNC reads of a text.
     pub(super) fn read(file: &str, text: &str) -> Result<Ini, Problems> {
-        let (mut ini, mut complaints) = (Ini::default(), Vec::new());
+        let mut ini = Ini::default();
         let (mut begun, mut known) = (BTreeSet::new(), BTreeSet::new());
         let (mut within, mut is_second) = ("", false);
-        for span in lines(text) {
+        let complaints = complaints(lines(text), |span| {
             let line = text[span.clone()].trim();
             if let Some(name) = section(line) {
                 (within, is_second) = (name, !begun.insert(name));
-            } else if line.starts_with("#INCLUDE") {
-                complaints.push(Complaint::new(
-                    span,
-                    "this line includes another file, which is not read here",
-                    "name the file that LinuxCNC makes of both when it starts: the ini file with `.expanded` behind its name",
-                ));
-            } else if let Some(setting) = setting(within, line, span).filter(is_read) {
-                if is_second {
-                    complaints.push(Complaint::new(
-                        setting.span,
-                        format!(
-                            "a second section [{}], which LinuxCNC does not read",
-                            shown(within)
-                        ),
-                        "put its lines into the first section of this name",
-                    ));
-                } else if known.insert((within, setting.key)) {
-                    let taken = ini.take(&setting);
-                    complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
+                return Ok(());
+            }
+            if line.starts_with("#INCLUDE") {
+                let message = "this line includes another file, which is not read here";
+                let help = "name the file that LinuxCNC makes of both when it starts: the ini file with `.expanded` behind its name";
+                return Err(Complaint::new(span, message, help));
+            }
+            match setting(within, line, span).filter(is_read) {
+                Some(setting) if is_second => {
+                    let name = shown(within);
+                    let message =
+                        format!("a second section [{name}], which LinuxCNC does not read");
+                    let help = "put its lines into the first section of this name";
+                    Err(Complaint::new(setting.span, message, help))
                 }
+                Some(setting) if known.insert((within, setting.key)) => {
+                    ini.take(&setting).map_err(|expected| wrong(&setting, expected))
+                }
+                _ => Ok(()),
             }
-            if complaints.len() >= MOST_COMPLAINTS {
-                break;
-            }
-        }
+        });
         located(file, text, complaints).or_ok(ini)
     }
 

@@ -216,23 +216,15 @@ impl Layout {
     /// Tags that rendering executes, at most: all branches count, and each list is as long as the longest of
     /// its name, or of all where none has its name.
     fn work(&self, context: &tera::Context) -> u64 {
-        let loops = self.tags.iter().flatten();
-        let roots: BTreeSet<&str> = loops.clone().map(|(root, _)| root.as_str()).collect();
-        let measured = |longest: &mut [(&str, Option<u64>)]| {
-            let values = roots.iter().filter_map(|root| Some((*root, context.get(root)?)));
-            values.for_each(|(root, value)| measure(root, value, longest));
-        };
-        let lists: BTreeSet<&str> = loops.map(|(_, list)| list.as_str()).collect();
-        let mut longest: Vec<_> = lists.into_iter().map(|list| (list, None)).collect();
-        measured(&mut longest);
-        let mut all = [(ANY, None)];
-        if longest.iter().any(|(_, length)| length.is_none()) {
-            measured(&mut all);
+        let roots = self.tags.iter().flatten().map(|(root, _)| root.as_str());
+        let mut longest = BTreeMap::new();
+        for root in roots.collect::<BTreeSet<&str>>() {
+            if let Some(value) = context.get(root) {
+                measure(root, value, &mut longest);
+            }
         }
-        let length = |list: &str| {
-            let own = longest.iter().find(|(name, _)| *name == list);
-            own.and_then(|(_, length)| *length).or(all[0].1).map_or(1, |n| 1.max(n))
-        };
+        let of_all = longest.values().copied().max().unwrap_or(1);
+        let length = |list: &str| longest.get(list).copied().unwrap_or(of_all).max(1);
         let turns = |loops: &Vec<(String, String)>| {
             loops.iter().map(|(_, list)| length(list)).fold(1, u64::saturating_mul)
         };
@@ -240,14 +232,10 @@ impl Layout {
     }
 }
 
-/// Lists of any name.
-const ANY: &str = "";
-
-/// Notes the longest list, map or text of each of these names in a value.
-fn measure(name: &str, value: &tera::Value, longest: &mut [(&str, Option<u64>)]) {
-    for (_, known) in longest.iter_mut().filter(|(own, _)| *own == name || *own == ANY) {
-        *known = Some(value.len().map_or(0, |length| length as u64)).max(*known);
-    }
+/// Notes the longest list, map or text of each name in a value.
+fn measure<'a>(name: &'a str, value: &'a tera::Value, longest: &mut BTreeMap<&'a str, u64>) {
+    let known = longest.entry(name).or_default();
+    *known = value.len().map_or(0, |length| length as u64).max(*known);
     for item in value.as_array().into_iter().flatten() {
         measure(LISTED, item, longest);
     }

@@ -24,7 +24,7 @@ pub(super) fn programs(request: &ProgramRequest, scale: &Scale) -> Vec<SetUpProg
             .into_iter()
             .map(|diagonal| along_diagonal(request, scale, diagonal, kind))
             .collect(),
-        None => request.axes.iter().map(|axis| along_axis(scale, *axis)).collect(),
+        None => request.axes.iter().map(|axis| along_axis(request, scale, *axis)).collect(),
     };
     let program = |route| {
         let here = PerAxis::default();
@@ -60,8 +60,8 @@ fn along_diagonal(
     }
 }
 
-fn along_axis(scale: &Scale, axis: Axis) -> Route {
-    let targets = &scale.targets[axis];
+fn along_axis(request: &ProgramRequest, scale: &Scale, axis: Axis) -> Route {
+    let targets = targets(request, scale, axis);
     let first = targets.first().copied().unwrap_or(0);
     let place = |target: &Digits| {
         PerAxis::from_fn(|other| if other == axis { *target } else { scale.rest[other] })
@@ -192,7 +192,6 @@ pub(super) struct Scale {
     pub(super) rest: PerAxis<Digits>,
     pub(super) preload: Digits,
     pub(super) overrun: Digits,
-    pub(super) targets: PerAxis<Vec<Digits>>,
 }
 
 impl Scale {
@@ -207,7 +206,6 @@ impl Scale {
             rest: PerAxis::from_fn(|axis| resolution.nearest(request.rest_of(axis).mm())),
             preload: resolution.at_least(request.preload.mm()),
             overrun: resolution.at_least(request.overrun.mm()),
-            targets: PerAxis::from_fn(|axis| targets(request, resolution, axis)),
         }
     }
 }
@@ -264,14 +262,12 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Targets of one axis, ascending. Offset targets: Pi = start + i·p + r_i with
 /// r_i = a·(2·frac(g·(i + 1)) − 1), g = 0.618…, a = the largest shift; the first is shifted inwards by
 /// |r_0|, the last by |r_n|, so all lie in the box. The shifts are the same in every version.
-fn targets(request: &ProgramRequest, resolution: LengthDigit, axis: Axis) -> Vec<Digits> {
+fn targets(request: &ProgramRequest, scale: &Scale, axis: Axis) -> Vec<Digits> {
     let volume = &request.volume;
     let last = volume.steps;
     let TargetGrid::Offset { shift } = request.targets else {
-        let start = resolution.nearest(volume.start[axis].mm());
-        let step = resolution.nearest(volume.step_mm(axis));
         let counts = 0..=i64::try_from(last).unwrap_or(0);
-        return counts.map(|count| start + count * step).collect();
+        return counts.map(|count| scale.start[axis] + count * scale.step[axis]).collect();
     };
     let largest = shift.map_or(volume.step_mm(axis) / 4.0, |shift| shift.mm());
     let of_index = |index: usize| {
@@ -282,7 +278,8 @@ fn targets(request: &ProgramRequest, resolution: LengthDigit, axis: Axis) -> Vec
             index if index == last => -shift.abs(),
             _ => shift,
         };
-        resolution.nearest(volume.start[axis].mm() + volume.along_mm(axis, index) + shift)
+        let place = volume.start[axis].mm() + volume.along_mm(axis, index) + shift;
+        scale.resolution.nearest(place)
     };
     (0..=last).map(of_index).collect()
 }

@@ -246,14 +246,15 @@ pub(super) fn needed(request: &ProgramRequest) -> Option<MirrorSize> {
     let from_start =
         |node: usize| volume.inside_mm(Diagonal::Ppp, PathKind::Step, node).minus(start);
     let beyond = |mm: f64| PerAxis { x: mm, y: mm, z: mm }; // PPP goes ahead on every axis
-    let plane = Plane::across(volume.laser(Diagonal::Ppp));
-    let spots = [
-        plane.spot(from_start(0)),
-        plane.spot(from_start(1)),
-        plane.spot(from_start(2)),
-        plane.spot(beyond(-request.preload.mm())),
-        plane.spot(beyond(overrun_mm(request))),
+    let plane = across(volume.laser(Diagonal::Ppp));
+    let places = [
+        from_start(0),
+        from_start(1),
+        from_start(2),
+        beyond(-request.preload.mm()),
+        beyond(overrun_mm(request)),
     ];
+    let spots = places.map(|place| plane.map(|across| across.dot(place)));
     let distances = spots.map(|spot| distance(spot, spots[0]));
     Some(MirrorSize {
         excursion_mm: [distances[1], distances[2]],
@@ -268,26 +269,14 @@ pub(super) fn overrun_mm(request: &ProgramRequest) -> f64 {
 }
 
 /// Two directions across the beam.
-struct Plane {
-    across: [PerAxis<f64>; 2],
-}
-
-impl Plane {
-    fn across(beam: PerAxis<f64>) -> Plane {
-        // Any direction that is not the beam's; that of its smallest component is safest.
-        let smallest = Axis::ALL
-            .into_iter()
-            .min_by(|a, b| beam[*a].abs().total_cmp(&beam[*b].abs()))
-            .unwrap_or(Axis::X);
-        let first = beam.cross(unit(smallest));
-        let length = first.length();
-        let first = PerAxis::from_fn(|axis| first[axis] / length);
-        Plane { across: [first, beam.cross(first)] }
-    }
-
-    fn spot(&self, place: PerAxis<f64>) -> Spot {
-        self.across.map(|across| across.dot(place))
-    }
+fn across(beam: PerAxis<f64>) -> [PerAxis<f64>; 2] {
+    // Any direction that is not the beam's; that of its smallest component is safest.
+    let by_size = |a: &Axis, b: &Axis| beam[*a].abs().total_cmp(&beam[*b].abs());
+    let smallest = Axis::ALL.into_iter().min_by(by_size).unwrap_or(Axis::X);
+    let first = beam.cross(unit(smallest));
+    let length = first.length();
+    let first = PerAxis::from_fn(|axis| first[axis] / length);
+    [first, beam.cross(first)]
 }
 
 fn distance(a: Spot, b: Spot) -> f64 {
