@@ -18,6 +18,7 @@ mod lexer;
 pub mod linuxcnc;
 mod listed;
 pub mod program;
+mod refused;
 pub mod siemens;
 
 pub use self::family::{

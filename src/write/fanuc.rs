@@ -18,6 +18,7 @@ use crate::write::family::{
     Bump, Compiled, Emitted, Family, ProofOf, backlash_parameter, control_state,
 };
 use crate::write::grid::{LengthDigit, as_number, whole};
+use crate::write::refused;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key, axis_pairs};
 use std::collections::BTreeMap;
@@ -273,17 +274,13 @@ fn check_3605(task: Task<'_>, problems: &mut Problems) {
         let Some(settings) = task.settings(axis) else { continue };
         let Some(bits) = settings.parameter_3605 else { continue };
         if bits & 0b1100 != 0 {
-            let words = "3605 with bit 2 or 3 (arbitrary-pitch, cyclic second compensation) is not emulated";
-            let problem = task.job.problem_at(&axis_key(axis, ".parameter_3605"), words);
-            problems.push(
-                problem.help("such a control is not served; are the bits those of this axis?"),
-            );
+            let key = axis_key(axis, ".parameter_3605");
+            problems.push(task.job.source.at(&key, refused::other_bits()));
         }
         let found = (bits >> 1) & 1;
         if let Some(stated) = settings.interpolated.filter(|stated| u8::from(*stated) != found) {
-            let words = format!("`interpolated` is {stated}, but 3605#1 was found as {found}");
-            let problem = task.job.problem_at(&axis_key(axis, ".interpolated"), words);
-            problems.push(problem.help("leave `interpolated` out: 3605#1 stays as it was found"));
+            let key = axis_key(axis, ".interpolated");
+            problems.push(task.job.source.at(&key, refused::other_bit_1(stated, found)));
         }
     }
 }
@@ -293,11 +290,8 @@ fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {
         if let Some((counts, unit_um)) = backlash_counts(task, plan, axis)
             && counts.abs() > LARGEST_BACKLASH
         {
-            let words = format!(
-                "axis {axis} would need a backlash parameter of {counts} × {unit_um} µm, the control takes ±{LARGEST_BACKLASH}"
-            );
-            let problem = task.job.problem_at("compensation.backlash", words);
-            problems.push(problem.help("check the measurement and `detection_unit_um`"));
+            let wrong = refused::large_backlash(axis, counts, unit_um, LARGEST_BACKLASH);
+            problems.push(task.job.source.at("compensation.backlash", wrong));
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
+use crate::write::refused;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use std::collections::BTreeMap;
@@ -282,14 +283,8 @@ impl LinuxcncFacts {
         if curves <= most {
             return Ok(());
         }
-        let message = format!(
-            "the HAL file would have {curves} curves of {} points, more than the {most} that the memory of HAL holds",
-            self.curve_points.value
-        );
-        Err(task
-            .job
-            .problem_at("compensation.axes", message)
-            .help("use a larger spacing, or `points`, or `max_residual_um`, or list fewer `terms`"))
+        let wrong = refused::many_curves(curves, self.curve_points.value, most);
+        Err(task.job.source.at("compensation.axes", wrong))
     }
 
     /// `nonius-1-correction: -0.018 mm with joint 0 at 900 mm …`, where each table holds most.

@@ -12,7 +12,8 @@ use crate::write::control_text::fixed;
 use crate::write::family::{
     Compiled, Family, Placement, ProofOf, backlash_text, column, control_state,
 };
-use crate::write::task::{Plan, PlannedTable, Task};
+use crate::write::refused;
+use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// A plan in the numbers of a control, without preconditions and notes.
 pub(super) fn compile(
@@ -161,15 +162,8 @@ fn check(own: &impl Listed, task: Task<'_>, tables: &[ListedTable]) -> Result<()
         let largest = numbers.flatten().fold(0.0_f64, |most, number| most.max(number.abs()));
         if largest > most {
             let largest = fixed(largest, form.decimals());
-            let message = format!(
-                "the {} would hold {largest}, the control takes {most} at most",
-                own.table_name(table)
-            );
-            let problem = task.job.problem_at("compensation.axes", message);
-            problems.push(
-                problem
-                    .help("`largest_value` of the profile; with increments use a smaller spacing"),
-            );
+            let wrong = refused::large_value(own.table_name(table), largest, most);
+            problems.push(task.job.source.at("compensation.axes", wrong));
         }
     }
     problems.or_ok(())
@@ -196,13 +190,8 @@ fn check_ends(
         let Some(planned) = plan.tables.iter().find(is_short) else {
             continue;
         };
-        let key = format!("compensation.axes.{}", axis.key());
-        let why = form(planned).outside.why();
-        let message = format!("the table of axis {axis} ends inside the travel, and {why}");
-        let problem = task.job.problem_at(&key, message);
-        problems.push(
-            problem.help("leave out `start_mm` and `end_mm`: the table then covers the travel"),
-        );
+        let wrong = refused::ends_inside(axis, form(planned).outside.why());
+        problems.push(task.job.source.at(&axis_key(axis, ""), wrong));
     }
     problems.or_ok(())
 }

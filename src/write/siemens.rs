@@ -24,6 +24,7 @@ use crate::text::Problems;
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
 use crate::write::grid::LengthDigit;
+use crate::write::refused;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 
@@ -214,11 +215,7 @@ fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Re
     if sum <= limit {
         return Ok(());
     }
-    let words = format!(
-        "CEC corrections may add up to {sum:.0} µm, more than the {limit} µm at which the control cuts off (MD32720)"
-    );
-    let help = "check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`";
-    Err(task.job.problem_at("compensation.controller", words).help(help).into())
+    Err(task.job.source.at("compensation.controller", refused::cut_off(sum, limit)).into())
 }
 
 // What Siemens templates see: `lec`, `cec`, and the switches of both.
