@@ -5,12 +5,45 @@ use crate::text::refusals;
 
 const CHECK: &str = "check the measurement and `detection_unit_um`";
 const FEWER_POINTS: &str = "use a larger spacing, or `points`, or `max_residual_um`";
+const ONE_LOOP: &str =
+    "a loop inside another one runs once for each of its items: loop over the lists of that item";
 const LARGER_SPACING: &str = "use a larger spacing";
 /// The next step where angles are to be written and the chain is not stated.
 pub(super) const STATE_CHAIN: &str =
     "state it, e.g. `chain = \"wXYZt\"`; or list `terms`, then no angles are written";
 
 refusals! {
+    // Directions.
+    term_not_measured(term) => "`terms` asks for {term}, which was not measured", "remove it, or measure it";
+    no_policy(known) => "the errors {known} in both directions, but `backlash` is not stated; there is no default", "write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\"";
+    no_directions(policy) => "`backlash = \"{policy}\"` needs errors measured in both directions", "give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out";
+    no_directions_along(key, policy, axis, found) => "`{key} = \"{policy}\"` of `backlash` needs errors along {axis} measured in both directions; {found}", format!("give the error table rows of {axis} with `+` and `-` in `direction`, or take `{key}` out of `backlash`");
+    one_way(policy, needs, axis, direction, terms, help) => "`backlash = \"{policy}\"` {needs}, but axis {axis} was measured in {direction} only ({terms})", help;
+    no_common_range(term) => "the two directions of {term} have no common range";
+    // Programs of measuring runs.
+    no_run() => "the job has no section [program], so there is no run to write programs for", "add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/measuring.md); `nonius new … --readings` writes one";
+    no_language(control, known) => "`{control}` says nothing about part programs, so none can be written", format!("choose the control that will run the program: {known}; or a profile of your own with [program]");
+    text_of_profile(text, expected) => "the profile's text `{text}` cannot stand in a program", format!("expected {expected}");
+    many_readings(readings, most) => "one program would take {readings} readings, expected at most {most}", "fewer runs or steps: four digits number the blocks of a program";
+    large_feed(feed, axis, largest) => "the feed is {feed} mm/min, but {axis} is stated with at most {largest} mm/min", "write `feed_mm_per_min` with a feed that every axis reaches";
+    large_shift(step, axis, shift) => "targets {step} mm apart on {axis} are shifted by up to {shift} mm, expected less than half the step", "a smaller shift, or fewer steps";
+    other_turn(stated, does, over, other) => "`overrun` is {stated}, but this run {does}: its readings would be separated with the wrong reversal", format!("write `overrun = {over}`, or {other}");
+    no_number(control) => "`number` is stated, but programs of `{control}` have names", "remove it";
+    no_travel(axis, key) => "the travel of {axis} is not stated, so nobody could tell where the program leaves it", format!("add [machine.axes.{key}] with travel_mm and reference_mm");
+    leaves(preload, overrun, needs, help) => "with {preload} mm of preload and {overrun} mm of overrun the run needs {needs}", help;
+    rests(axis, at, low, high) => "{axis} would rest at {at} mm, but the travel is {low} … {high} mm", "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel";
+    start_between(axis, start, digit, nearest) => "the start of {axis} is {start} mm, expected a multiple of {digit}, the last digit of a position", format!("the nearest is {nearest} mm");
+    step_between(size, axis, steps, step, digit, nearest, below) => "{size} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {digit}, the last digit of a position", format!("the nearest below is {nearest} mm ({steps} x {below} mm)");
+    // Templates and texts.
+    no_such_list(key, list, path) => "`{key} = \"{list}\"` of `{path}`: this control has no such list", "`nonius context JOB` prints its lists";
+    no_comment(what, files, expected) => "{what} goes into comments of {files}, expected {expected}", "write it in plain letters and digits";
+    unseen(line, path, text) => "line {line} of `{path}` would hold a character that is not seen: `{text}`", "a control may obey it: take it out of the template, or out of the text that it prints";
+    no_context(error) => "the context of the templates cannot be made: {error}";
+    no_text(template) => "template `{template}` does not write text";
+    much_work(template, most) => "template `{template}` executes more than {most} tags, counted from the lists of its loops, too much for a file of a kit", ONE_LOOP;
+    much_text(template, mib) => "template `{template}` writes more than {mib} MiB, too much for a file of a kit", ONE_LOOP;
+    no_layout(template, message) => "template `{template}` is refused: {message}", "a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/own-control.md §3)";
+    not_rendered(template, message) => "template `{template}` cannot be rendered: {message}", "`nonius context JOB` prints what a template sees";
     // Axes.
     no_such_axis(path) => "[{path}] names an axis that [machine] does not have", "add it to [machine.axes], or take it out here";
     no_axis_name(name, expected, usual) => "`{name}` is no axis of this control, expected {expected}", format!("write it as the control shows it, for instance `{usual}`");

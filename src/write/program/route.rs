@@ -6,6 +6,7 @@ use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis
 use crate::text::Problems;
 use crate::write::grid::{LengthDigit, whole};
 use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram};
+use crate::write::refused;
 
 /// The nodes of a set-up along the forward path.
 struct Route {
@@ -218,14 +219,10 @@ pub(super) fn refuse_between_digits(task: RunTask<'_>, problems: &mut Problems) 
     for axis in Axis::ALL.into_iter().filter(|axis| moving(request).contains(axis)) {
         let mm = request.volume.start[axis].mm();
         if resolution.digits(mm).is_none() {
-            let words = format!(
-                "the start of {axis} is {} mm, expected a multiple of {}, the last digit of a position",
-                Figure(mm).trimmed(6),
-                resolution.words()
-            );
-            let problem = task.job.problem_at(&format!("{path}.{}", axis.key()), words);
-            let nearest = Figure(resolution.mm(resolution.nearest(mm))).trimmed(6);
-            problems.push(problem.help(format!("the nearest is {nearest} mm")));
+            let [start, nearest] =
+                [mm, resolution.mm(resolution.nearest(mm))].map(|mm| Figure(mm).trimmed(6));
+            let wrong = refused::start_between(axis, start, resolution.words(), nearest);
+            problems.push(task.job.source.at(&format!("{path}.{}", axis.key()), wrong));
         }
     }
     for axis in Axis::ALL {
@@ -245,15 +242,10 @@ fn refuse_step(task: RunTask<'_>, axis: Axis, problems: &mut Problems) {
     let below = resolution.at_most(step).max(1);
     let mm = |digits| Figure(resolution.mm(digits)).trimmed(6);
     let nearest = mm(below * i64::try_from(steps).unwrap_or(1));
-    let words = format!(
-        "{} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
-        Figure(size).trimmed(6),
-        resolution.words()
-    );
-    let problem = task.job.problem_at(&format!("{}.{}", request.size_path, axis.key()), words);
-    let below = mm(below);
-    problems
-        .push(problem.help(format!("the nearest below is {nearest} mm ({steps} x {below} mm)")));
+    let (size, digit, below) = (Figure(size).trimmed(6), resolution.words(), mm(below));
+    let wrong = refused::step_between(size, axis, steps, step, digit, nearest, below);
+    let key = format!("{}.{}", request.size_path, axis.key());
+    problems.push(task.job.source.at(&key, wrong));
 }
 
 /// Golden section: its multiples fill an interval evenly.

@@ -7,6 +7,7 @@ use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis
 use crate::text::{Finding, Problem, joined};
 use crate::write::control_text::with_point;
 use crate::write::grid::{LengthDigit, as_number, whole};
+use crate::write::refused;
 
 /// A length as a number of the control's last digits.
 pub type Digits = i64;
@@ -149,22 +150,14 @@ impl<'a> RunTask<'a> {
 }
 
 fn no_section(job: &Job) -> Problem {
-    job.problem_at("program", "the job has no section [program], so there is no run to write programs for")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/measuring.md); `nonius new … --readings` writes one")
+    job.source.at("program", refused::no_run())
 }
 
 fn no_language(job: &Job, profile: &Profile) -> Problem {
     let known = builtin::ids()
         .into_iter()
         .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
-    job.problem_at(
-        "compensation.controller",
-        format!("`{}` says nothing about part programs, so none can be written", profile.id),
-    )
-    .help(format!(
-        "choose the control that will run the program: {}; or a profile of your own with [program]",
-        joined(known)
-    ))
+    job.source.at("compensation.controller", refused::no_language(&profile.id, joined(known)))
 }
 
 impl MeasuringRun {
