@@ -22,8 +22,6 @@ pub struct AxisState {
     pub bidirectional: bool,
     /// Interpolated pitch compensation is switched on (Fanuc 3605#1), where no file says so.
     pub interpolated: bool,
-    /// Both ends of its travel, with the reference.
-    pub travel: (Millimetres, Millimetres),
     /// Both ends of its travel, whatever the reference.
     pub ends: (Millimetres, Millimetres),
     /// Where it rests while other axes are measured.
@@ -34,7 +32,6 @@ impl AxisState {
     /// An axis for tests: reference and rest at 0, returned to in +, nothing in its parameters.
     #[cfg(test)]
     pub(crate) fn plain(name: &str, travel_mm: [f64; 2]) -> AxisState {
-        let travel = travel_mm.map(Millimetres::new);
         AxisState {
             name: name.to_string(),
             reference: Millimetres::new(0.0),
@@ -43,10 +40,16 @@ impl AxisState {
             backlash_um: 0.0,
             bidirectional: false,
             interpolated: false,
-            travel: travel.into(),
-            ends: travel.into(),
+            ends: travel_mm.map(Millimetres::new).into(),
             rest: Millimetres::new(0.0),
         }
+    }
+
+    /// Both ends of its travel, with the reference where it lies outside.
+    pub(crate) fn travel(&self) -> [Millimetres; 2] {
+        let (low, high) = self.ends;
+        let reference = self.reference.mm();
+        [low.mm().min(reference), high.mm().max(reference)].map(Millimetres::new)
     }
 
     /// What the backlash parameter adds while the axis moves in `direction`.

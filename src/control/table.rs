@@ -35,6 +35,27 @@ impl Tables {
         };
         own.downcast_ref().unwrap_or(T::EMPTY)
     }
+
+    /// Loads the tables of a file over those that are held: what stands at a place that the file writes is replaced,
+    /// everything else stays. A volumetric compensation is one table.
+    pub(crate) fn load(&mut self, file: Tables) {
+        match (self, file) {
+            (Tables::Siemens(held), Tables::Siemens(file)) => {
+                held.tables.retain(|own| file.at(&own.place).is_none());
+                held.tables.extend(file.tables);
+            }
+            (Tables::Fanuc(held), Tables::Fanuc(file)) => {
+                held.parameters.extend(file.parameters);
+                held.points.extend(file.points);
+            }
+            (Tables::Listed(held), Tables::Listed(file)) => {
+                let is_new = |own: &ListedTable| file.at(&own.base, &own.output).is_some();
+                held.tables.retain(|own| !is_new(own));
+                held.tables.extend(file.tables);
+            }
+            (held, file) => *held = file,
+        }
+    }
 }
 
 /// The memory of a format family.
@@ -150,9 +171,14 @@ impl ListedTables {
         ListedTables { tables, set: None }
     }
 
+    /// The table of axes.
+    pub(crate) fn at(&self, base: &str, output: &str) -> Option<&ListedTable> {
+        self.tables.iter().find(|table| table.is_for(base, output))
+    }
+
     /// The factor of axes; 0 = there is none.
     pub(crate) fn factor(&self, base: &str, output: &str) -> f64 {
-        self.tables.iter().find(|table| table.is_for(base, output)).map_or(0.0, ListedTable::factor)
+        self.at(base, output).map_or(0.0, ListedTable::factor)
     }
 
     /// No table.

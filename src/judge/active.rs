@@ -26,16 +26,17 @@ pub(crate) use self::kit::{listed, named_axis};
 pub(crate) use self::machine::uncompensated;
 pub(crate) use self::reading::ReadOutReader;
 pub use self::reading::{ActiveControl, Origin, Others, ReadOutFor, without_tables};
-use self::reading::{backlash_of, problem, stated};
+use self::reading::{at_key, backlash_of, stated};
 use crate::control::claims::Precondition;
 use crate::control::controller::{Profile, Role};
 use crate::control::table::Tables;
 use crate::inputs::job::Job;
 use crate::judge::family::family;
 use crate::judge::findings::InControl;
+use crate::judge::refused;
 use crate::quantity::{Axis, PerAxis};
 use crate::read::{file_name, read_out_text};
-use crate::text::{Problem, Problems, Severity};
+use crate::text::{Problems, Severity};
 use crate::write::plan::axis_names;
 use std::borrow::Cow;
 
@@ -69,7 +70,7 @@ fn refuse(reading: &ReadOutReader<'_>, problems: &mut Problems) {
     let is_grave = |severity| severity > Severity::Note && !reading.judges();
     for finding in reading.active.findings.iter().filter(|f| is_grave(f.severity())) {
         let help = finding.kind().map_or("", InControl::help);
-        problems.push(problem(reading.job, finding.to_string(), help));
+        problems.push(at_key(reading.job, refused::from_control(finding, help)));
     }
 }
 
@@ -131,10 +132,7 @@ fn texts<'a>(
             continue;
         }
         if stands_apart {
-            let message = format!(
-                "`{name}` of `{path}` is a file of a kit that is not loaded with its tables, so it does not tell what was active"
-            );
-            problems.push(Problem::new(message).help("name the whole kit with its manifest.json, or files that were read out of the control"));
+            problems.push(refused::not_of_tables(name, path));
         }
         match read_out_text(profile, name, bytes) {
             Ok(text) => texts.push((name.as_str(), text)),
@@ -153,10 +151,7 @@ pub(crate) fn collisions(
 ) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for (what, help) in family(&profile.dialect).taken(&active.others, new) {
-        let message = format!(
-            "{what} is in use in the read-out, for axes that the job does not have or switched off: it would be overwritten"
-        );
-        problems.push(problem(job, message, help));
+        problems.push(at_key(job, refused::in_use(what, help)));
     }
     problems.or_ok(())
 }

@@ -33,6 +33,7 @@ use self::decide::decides;
 use self::hypotheses::Hypothesis;
 use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
+use crate::judge::refused;
 use crate::quantity::{ErrorTerm, Figure};
 use crate::text::{Finding, Problem};
 use serde::Serialize;
@@ -88,8 +89,7 @@ pub struct Diagnosis {
 /// only: a slip of 1000.
 pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     if question.seen.is_empty() {
-        return Err(Problem::new("no position was measured both times")
-            .help("measure the same range of the same axes again"));
+        return Err(refused::nothing_twice());
     }
     let tried = hypotheses::all(question);
     let mut data = Data::new(question);
@@ -239,19 +239,13 @@ fn off_forecast(um: f64, seen: &Observation) -> String {
     format!("{:+.3} µm off the forecast{place}, ", Figure(um))
 }
 
-fn slip_of_unit(words: &str) -> Problem {
-    let help = "the unit is part of the column's name (`ex_um`, `ex_mm`); correct the column or its values";
-    Problem::new(format!("the values measured afterwards are {words} a slip of their unit"))
-        .help(help)
-}
-
 fn refuse_too_large(data: &Data<'_>) -> Result<(), Problem> {
     let times = data.times_found();
     let divided = data.in_another_unit(1.0 / UNIT, 1.0 / UNIT);
     if times <= SUSPICIOUS || !divided.stands(&divided.fit(&Change::None), None) {
         return Ok(());
     }
-    Err(slip_of_unit(&format!(
+    Err(refused::slip_of_unit(format!(
         "{times:.0} times those as found; divided by 1000 they agree with the forecast:"
     )))
 }
@@ -272,7 +266,7 @@ fn refuse_too_small(data: &Data<'_>, tried: &[Hypothesis], forecast: &Fit) -> Re
     } else {
         return Ok(());
     };
-    Err(slip_of_unit(&format!(
+    Err(refused::slip_of_unit(format!(
         "{measured_um:.6} µm (root mean square), those as found {found_um:.3} µm: {why};"
     )))
 }

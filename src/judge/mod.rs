@@ -4,6 +4,7 @@
 
 mod fanuc;
 mod listed;
+mod refused;
 mod siemens;
 
 pub mod active;

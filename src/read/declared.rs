@@ -24,7 +24,7 @@ use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::read::{generic, listed};
+use crate::read::{generic, listed, refused};
 use crate::text::{Problem, Problems, shown};
 use std::ops::Range;
 
@@ -39,11 +39,6 @@ impl Family for DeclaredFacts {
             true => listed::control(&acting(tables), self, state)?,
             false => listed::control(tables, self, state)?,
         }))
-    }
-
-    /// A pair of axes has one table.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        listed::load(held, file, |own, new| own.is_for(&new.base, &new.output));
     }
 
     fn may_obey(&self, text: &str) -> bool {
@@ -94,19 +89,14 @@ fn read(texts: &[(&str, &str)], facts: &DeclaredFacts) -> Result<ListedTables, P
         set = set.or(own.set);
         for table in own.tables {
             if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
-                let message =
-                    format!("`{}` holds another {}", shown(name), facts.table_name(&table));
-                problems.push(
-                    Problem::new(message).help("name the files that the control holds together"),
-                );
+                problems.push(refused::another(shown(name), facts.table_name(&table)));
             }
             all.push(table);
         }
     }
     let is_whole = || texts.iter().any(|(_, text)| facts.is_whole(text));
     if problems.is_empty() && all.is_empty() && !is_whole() {
-        let help = "compare the files with the patterns of the profile (`lines`)";
-        problems.push(Problem::new("no line of the files holds a value").help(help));
+        problems.push(refused::no_value_at_all());
     }
     problems.or_ok(ListedTables { set, ..ListedTables::of(all) })
 }
@@ -149,10 +139,8 @@ fn file(
         set.is_some() && !tables.iter().any(|table| table.is_for(base, output))
     };
     for lost in facts.factors().iter().filter(is_lost) {
-        let message = format!("a set without {}: the control takes all together", lost.name);
-        let help = "state all factors, 0 where nothing is to be corrected";
         let span = set.as_ref().map_or(0..0, |(_, span)| span.clone());
-        reading.complaints.push(Complaint::new(span, message, help));
+        reading.complaints.push(Complaint::new(span, refused::set_without(&lost.name)));
     }
     let set = set.map(|(name, _)| name);
     match reading.complaints.is_empty() {
@@ -229,8 +217,8 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    fn complain(&mut self, span: Range<usize>, message: impl Into<String>, help: &str) {
-        self.complaints.push(Complaint::new(span, message, help));
+    fn complain(&mut self, span: Range<usize>, wrong: Problem) {
+        self.complaints.push(Complaint::new(span, wrong));
     }
 
     fn line(&mut self, text: &str, span: Range<usize>) {
@@ -248,8 +236,7 @@ impl Reading<'_> {
             if is_comment {
                 return self.check_comment(line, span);
             }
-            let help = "the patterns of the profile (`lines`) say what a line can be; what the control makes of another one is not known";
-            return self.complain(span, "no pattern of the profile takes this line", help);
+            return self.complain(span, refused::no_pattern());
         };
         for said in found {
             self.say(text, &span, said);
@@ -275,9 +262,7 @@ impl Reading<'_> {
                 Field::Other | Field::Whole => self.is_other = true,
                 Field::Set => self.begin(text[part.clone()].trim(), part),
                 Field::Value if self.facts.factors.is_some() && !is_factor(&text[part.clone()]) => {
-                    let message =
-                        format!("`{}`, expected a factor below 1", shown(&text[part.clone()]));
-                    self.complain(part, message, "a factor is how far an axis leans, mm in a mm");
+                    self.complain(part.clone(), refused::no_factor(shown(&text[part])));
                 }
                 _ => fields.push((field, part)),
             }
@@ -290,8 +275,7 @@ impl Reading<'_> {
             _ => self.axes.pair(),
         };
         if name.is_none() && axes.is_none() {
-            let help = "a line before it, or the line itself, has to name the axis";
-            return self.complain(line.clone(), "a value, and no line says of which axis", help);
+            return self.complain(line.clone(), refused::value_of_nobody());
         }
         let own = Whose { name, axes };
         let at = self.drafts.iter().position(|draft| draft.is_of(&own));
@@ -309,8 +293,8 @@ impl Reading<'_> {
         match first {
             None => self.set = Some((name.to_string(), span)),
             Some(own) => {
-                let message = format!("a second set beside `{}`, and one is loaded", shown(own));
-                self.complain(span, message, "name a file that holds the one that is loaded");
+                let wrong = refused::second_set(shown(own));
+                self.complain(span, wrong);
             }
         }
     }
@@ -324,8 +308,7 @@ impl Reading<'_> {
         let begins = words.first().is_some_and(is_unit);
         let has_size = words.iter().any(|word| Size::of_word(word).is_some());
         if has_unit && (begins || has_size && words.iter().any(is_unit)) {
-            let help = "the patterns of the profile (`lines`) say how a file names its unit; take the word out if the line means something else";
-            self.complain(span, "a comment that may name a unit", help);
+            self.complain(span, refused::unit_in_comment());
         }
     }
 
@@ -333,8 +316,7 @@ impl Reading<'_> {
     fn check_same(&mut self, text: &str, span: Range<usize>) {
         let own = self.axes.output.clone().unwrap_or_default();
         if !own.eq_ignore_ascii_case(text[span.clone()].trim()) {
-            let message = format!("another axis than `{}`, which the line corrects", shown(&own));
-            self.complain(span, message, "an axis that follows another one is not corrected so");
+            self.complain(span, refused::another_axis(shown(&own)));
         }
     }
 
@@ -342,9 +324,7 @@ impl Reading<'_> {
     fn check_unit(&mut self, text: &str, span: Range<usize>) {
         let word = text[span.clone()].trim();
         if Size::of_word(word) != Some(self.facts.value_size.value) {
-            let message = format!("the file is in `{}`, the profile is not", shown(word));
-            let help = "`value_size` of the profile says the unit of the values: a file in another one is not read";
-            self.complain(span, message, help);
+            self.complain(span, refused::another_unit(shown(word)));
         }
     }
 }

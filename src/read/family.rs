@@ -22,12 +22,6 @@ pub(crate) trait Family {
     /// A control that holds these tables.
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>>;
 
-    /// What the control holds once a file that stands apart is loaded over its tables: tables and points of
-    /// the same number are replaced, everything else stays. Here: they take the place of all that there was.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        *held = file;
-    }
-
     /// Whether a text may mean something to the control, whole or damaged.
     ///
     /// **limits** it errs on the careful side; a text for people that quotes such a word counts too.
@@ -62,11 +56,6 @@ pub fn emulator(
     state: &ControlState,
 ) -> Emulated<Box<dyn Emulator>> {
     family(&profile.dialect).control(tables, state)
-}
-
-/// Loads a file that stands apart into a control of a profile.
-pub(crate) fn load(profile: &Profile, held: &mut Tables, file: Tables) {
-    family(&profile.dialect).load(held, file);
 }
 
 /// What a control holds after all files were loaded.

@@ -21,7 +21,8 @@ use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, READ_OUT_AS_A_WHOLE, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
-use crate::text::{Problem, Problems, refuse_long_lines};
+use crate::read::refused;
+use crate::text::{Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
 use std::ops::Range;
 
@@ -66,13 +67,6 @@ impl Family for FanucFacts {
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(control::control(tables.own(), self, state)?))
-    }
-
-    fn load(&self, held: &mut Tables, file: Tables) {
-        if let (Tables::Fanuc(held), Tables::Fanuc(file)) = (held, file) {
-            held.parameters.extend(file.parameters);
-            held.points.extend(file.points);
-        }
     }
 
     /// Numbered blocks.
@@ -178,11 +172,7 @@ fn read_from(
             break;
         }
         if reader.values() > MOST_VALUES {
-            let message = format!(
-                "here are more than {MOST_VALUES} values for the compensation, too many for any control"
-            );
-            let help = "check that this is a file of the control";
-            complaints.push(Complaint::new(span, message, help));
+            complaints.push(Complaint::new(span, refused::many_values(MOST_VALUES)));
             break;
         }
         let block = text[span.clone()].trim();
@@ -207,21 +197,16 @@ pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
     for memory in memories {
         for (key, value) in memory.parameters {
             if all.parameters.insert(key, value).is_some_and(|old| old != value) {
-                problems.push(two_files(&key.to_string()));
+                problems.push(refused::two_files(key));
             }
         }
         for (point, value) in memory.points {
             if all.points.insert(point, value).is_some_and(|old| old != value) {
-                problems.push(two_files(&format!("point {point}")));
+                problems.push(refused::two_files(format!("point {point}")));
             }
         }
     }
     problems.or_ok(all)
-}
-
-fn two_files(what: &str) -> Problem {
-    Problem::new(format!("{what} has different contents in two files"))
-        .help("the control would keep whichever is loaded last; write it in one file only")
 }
 
 struct Reader<'a> {
@@ -283,17 +268,14 @@ impl Reader<'_> {
     /// A control writes zeros for each path that it reserves.
     fn refuse_others(&self, block: &Block) -> Result<(), Complaint> {
         if let Some(span) = block.segments.iter().find_map(|s| s.spindle.clone()) {
-            let help = "compensation parameters belong to an axis (`A<n>`) or to none";
-            return Err(Complaint::new(span, "a spindle parameter is not ours", help));
+            return Err(Complaint::new(span, refused::of_spindle()));
         }
         let mut used = block.segments.iter().filter(|segment| !self.is_zero(segment));
         match used.find_map(|segment| segment.other_path.clone()) {
             None => Ok(()),
             Some(span) => {
                 let word = &self.text[span.clone()];
-                let message = format!("`{word}` names path {}, expected path 1", &word[1..]);
-                let help = "compensation data are written for path 1; split the file by path";
-                Err(Complaint::new(span, message, help))
+                Err(Complaint::new(span, refused::other_path(word, &word[1..])))
             }
         }
     }
@@ -301,32 +283,23 @@ impl Reader<'_> {
     /// Whether the number of a block addresses a point, else a parameter.
     fn is_point(&self, block: &Block) -> Result<bool, Complaint> {
         let (number, offset) = (block.number, self.facts.point_offset.value);
-        let (message, help) = match (block.is_point, number.checked_sub(offset)) {
-            (Some(true), None) => (
-                format!("number {number} is marked as pitch data, below {offset}"),
-                format!("point 33 is number {}; a parameter has `Q1`", offset + 33),
-            ),
-            (Some(false), Some(point)) if self.means_a_point(number, point) => (
-                format!("this would address parameter {number}, not pitch point {point}"),
-                "pitch data carry `Q0`".to_string(),
-            ),
-            (None, Some(point)) if self.facts.q_identifier.value => (
-                format!("number {number} without `Q` is ambiguous"),
-                format!("`Q0` makes it point {point}, `Q1` parameter {number}"),
-            ),
+        let wrong = match (block.is_point, number.checked_sub(offset)) {
+            (Some(true), None) => refused::below_points(number, offset, offset + 33),
+            (Some(false), Some(point)) if self.means_a_point(number, point) => {
+                refused::means_parameter(number, point)
+            }
+            (None, Some(point)) if self.facts.q_identifier.value => {
+                refused::without_identifier(number, point)
+            }
             (Some(true) | None, Some(point)) => {
                 if self.point_blocks().any(|range| range.contains(point)) {
                     return Ok(true);
                 }
-                (
-                    format!("this control has no point {point}"),
-                    "compare the number with the point numbers of the controller profile"
-                        .to_string(),
-                )
+                refused::no_such_point(point)
             }
             (Some(false) | None, _) => return Ok(false),
         };
-        Err(Complaint::new(block.number_span.clone(), message, help))
+        Err(Complaint::new(block.number_span.clone(), wrong))
     }
 
     /// A `Q1` number in the space of the points that no known parameter has.
@@ -346,44 +319,30 @@ impl Reader<'_> {
 
     fn store_point(&mut self, block: &Block) -> Result<(), Complaint> {
         let point = block.number - self.facts.point_offset.value;
-        let at_number =
-            |message, help| Err(Complaint::new(block.number_span.clone(), message, help));
+        let at_number = |wrong| Err(Complaint::new(block.number_span.clone(), wrong));
         let [segment] = block.segments.as_slice() else {
-            let message = format!("point {point} has more than one value");
-            return at_number(message, "write each point in a block of its own");
+            return at_number(refused::several_values(point));
         };
         let value = self.point_value(point, segment)?;
         match self.found.memory.points.insert(point, value) {
-            Some(old) if old != value => at_number(
-                format!("point {point} is {value} here and {old} in an earlier block"),
-                "two axes may share numbers by mistake; write each point once",
-            ),
+            Some(old) if old != value => at_number(refused::point_twice(point, value, old)),
             _ => Ok(()),
         }
     }
 
     fn point_value(&self, point: u32, segment: &Segment) -> Result<i32, Complaint> {
         let text = &self.text[segment.value.clone()];
-        let (message, help) = if segment.axis.is_some() || segment.letter != 'P' {
-            (
-                format!("point {point} takes a plain `P` value, without axis or unit"),
-                "a point belongs to the axis whose 3621 to 3622 hold its number",
-            )
+        let wrong = if segment.axis.is_some() || segment.letter != 'P' {
+            refused::no_plain_value(point)
         } else if text.contains('.') {
-            (
-                format!("point {point} has the value `{text}`, expected a whole number"),
-                "pitch data count detection units",
-            )
+            refused::no_whole_value(point, text)
         } else {
             match text.parse() {
                 Ok(value) if POINT_VALUES.contains(&value) => return Ok(value),
-                _ => (
-                    format!("point {point} has the value `{text}`, expected -128 to 127"),
-                    "larger steps need a larger magnification (3623) or a shorter interval",
-                ),
+                _ => refused::large_value(point, text),
             }
         };
-        Err(Complaint::new(segment.value.clone(), message, help))
+        Err(Complaint::new(segment.value.clone(), wrong))
     }
 
     fn store_parameter(&mut self, block: &Block) -> Result<(), Complaint> {
@@ -394,18 +353,13 @@ impl Reader<'_> {
             let key = ParameterKey { number, axis };
             let value = self.parameter_value(number, segment)?;
             if keys.contains(&key) {
-                let message = format!("{key} has two values in one block");
-                let help = "write each value once";
-                return Err(Complaint::new(segment.value.clone(), message, help));
+                return Err(Complaint::new(segment.value.clone(), refused::two_values(key)));
             }
             keys.push(key);
             let old = self.found.memory.parameters.insert(key, value);
             if let Some(old) = old.filter(|old| self.writer != Writer::Kit && *old != value) {
-                return Err(Complaint::new(
-                    block.number_span.clone(),
-                    format!("{key} has another value here than in an earlier block ({old})"),
-                    "name the files of one read-out",
-                ));
+                let wrong = refused::other_value(key, old);
+                return Err(Complaint::new(block.number_span.clone(), wrong));
             }
         }
         Ok(())
@@ -413,27 +367,18 @@ impl Reader<'_> {
 
     fn parameter_value(&self, number: u32, segment: &Segment) -> Result<ParameterValue, Complaint> {
         let text = &self.text[segment.value.clone()];
-        let refuse = |message, help| Err(Complaint::new(segment.value.clone(), message, help));
+        let refuse = |wrong| Err(Complaint::new(segment.value.clone(), wrong));
         let is_length = LENGTH_PARAMETERS.contains(&number) || self.writer == Writer::Kit;
         if is_length && !self.writer.may_write(segment.letter) {
-            return refuse(
-                format!("parameter {number} has the letter `{}`, expected `P`", segment.letter),
-                "state the value in the unit of the machine, with `P`",
-            );
+            return refuse(refused::other_letter(number, segment.letter));
         }
         // Bit parameters of concern (B-63950EN: 1001, 1006, 1013, 360x, 5700; 8135 on 0i).
         let is_bits = matches!(number, 1001 | 1006 | 1013 | 3601..=3605 | 5700 | 8135);
         let value = if is_bits { bits(text) } else { whole_or_real(text) };
         match value {
             Some(value) => Ok(value),
-            None if is_bits => refuse(
-                format!("parameter {number} has the value `{text}`, expected eight bits"),
-                "write all eight bits, bit 7 first, as in `P00000001`",
-            ),
-            None => refuse(
-                format!("the value `{text}` is too large"),
-                "check that this is a file of the control",
-            ),
+            None if is_bits => refuse(refused::no_bits(number, text)),
+            None => refuse(refused::too_large(text)),
         }
     }
 }

@@ -11,6 +11,7 @@
 //! Written from the contract alone; it knows nothing of the program's own templates.
 
 mod check;
+mod refused;
 mod rows;
 mod typed;
 
@@ -19,7 +20,7 @@ pub use self::check::Row;
 use self::rows::COLUMNS;
 use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::quantity::Direction;
-use crate::text::{Problem, Problems, joined};
+use crate::text::{Problems, joined};
 
 /// Reads one file: JSON if its first character is `{`, a typed list if it has a column `point`, else CSV.
 ///
@@ -55,9 +56,7 @@ fn rows_of(
 ) -> Result<Vec<Row>, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if let Some(column) = held.filter(|_| !typed::is_list(text)) {
-        let message = format!("`{file_name}` is no list with a column `{column}`");
-        let help = "this control holds what was typed in: take `typed.csv` of the kit";
-        return Err(Problem::new(message).help(help).into());
+        return Err(refused::no_list(file_name, column).into());
     }
     if text.trim_start().starts_with('{') {
         rows::read_json(file_name, text)
@@ -112,12 +111,7 @@ pub fn merge(files: Vec<Vec<Row>>) -> Result<Vec<Row>, Problems> {
     let first = files.next().unwrap_or_default();
     for twin in files {
         if let Some(difference) = first_difference(&first, &twin) {
-            problems.push(
-                Problem::new(format!("two files of the kit are not twins: {difference}")).help(
-                    "CSV and JSON of a kit hold the same rows; one of them was changed or cut \
-                     off, generate both again",
-                ),
-            );
+            problems.push(refused::no_twins(difference));
         }
     }
     problems.or_ok(first)

@@ -17,8 +17,9 @@ use crate::quantity::{Axis, PerAxis};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, ReadBack, file_name, quoted};
 use crate::read::findings::ReadFinding;
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, number, words};
-use crate::text::{Finding, Problem, Problems, shown};
+use crate::read::lexer::{Complaint, complaints, lines, located, number, words};
+use crate::read::refused;
+use crate::text::{Finding, Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -47,7 +48,8 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     let (lists, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| is_list(text));
     let (list_name, text) = match lists[..] {
         [(name, text)] => (name, text),
-        _ => return Err(not_one_list(&lists, &others).into()),
+        [] => return Err(refused::no_list(quoted(&others)).into()),
+        _ => return Err(refused::several_lists(quoted(&lists)).into()),
     };
     let list = list(list_name, text)?;
     let mut problems = Problems::none();
@@ -57,17 +59,17 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
         let is_it =
             |(name, _): &&(&str, &str)| file_name(name).eq_ignore_ascii_case(file_name(path));
         let Some((name, text)) = others.iter().find(is_it) else {
-            problems.push(not_there(list_name, path));
+            problems.push(refused::not_listed_file(shown(list_name), shown(path)));
             continue;
         };
         named.push(name);
         for curve in problems.take(curves_of(name, text)).into_iter().flatten() {
-            if let Some(problem) = too_many(name, &curve) {
-                problems.push(problem);
+            let (parameter, points) = (curve.parameter, curve.points.len());
+            if points > MOST_POINTS {
+                problems.push(refused::points(shown(name), parameter, points, MOST_POINTS));
             }
-            let is_twin = |other: &Curve| other.parameter == curve.parameter;
-            match curves.iter().any(is_twin) {
-                true => problems.push(twice(name, curve.parameter)),
+            match curves.iter().any(|other| other.parameter == parameter) {
+                true => problems.push(refused::in_two_files(parameter, shown(name))),
                 false => curves.push(curve),
             }
         }
@@ -78,40 +80,8 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     problems.or_ok((IsgTables { curves, ..list.tables }, unnamed.collect()))
 }
 
-fn not_one_list(lists: &[(&str, &str)], others: &[(&str, &str)]) -> Problem {
-    let message = match lists {
-        [] => format!(
-            "no list stands beside {}: parameter files do not say their form, the axes or the chain",
-            quoted(others)
-        ),
-        _ => format!("several lists, of which one can be read: {}", quoted(lists)),
-    };
-    let help = "name one list (`.lis`, the file of `vol_comp[0].file_name`) with the files of its `file[…]`";
-    Problem::new(message).help(help)
-}
-
-fn not_there(list: &str, path: &str) -> Problem {
-    let (list, path) = (shown(list), shown(path));
-    Problem::new(format!("`{list}` names `{path}`, which is not there"))
-        .help("name the parameter file together with the list")
-}
-
-fn twice(file: &str, parameter: Parameter) -> Problem {
-    let file = shown(file);
-    Problem::new(format!("{parameter} stands in `{file}` and in a file before it"))
-        .help("give each parameter once")
-}
-
 /// Most points of a parameter: ten times and more what a control takes.
 const MOST_POINTS: usize = 20_000;
-
-fn too_many(file: &str, curve: &Curve) -> Option<Problem> {
-    let points = curve.points.len();
-    let (file, parameter) = (shown(file), curve.parameter);
-    let words =
-        format!("`{file}`: {parameter} has {points} points, expected at most {MOST_POINTS}");
-    (points > MOST_POINTS).then(|| Problem::new(words).help("name the files of the control"))
-}
 
 // The list of a volumetric compensation: `key value` in each line, `#` begins a comment.
 
@@ -151,21 +121,17 @@ struct List {
 fn list(file: &str, text: &str) -> Result<List, Problems> {
     let (tables, paths, formats) = (IsgTables::NONE, BTreeMap::new(), BTreeSet::new());
     let mut list = List { tables, paths, formats };
-    let (mut known, mut complaints) = (BTreeSet::new(), Vec::new());
-    for setting in lines(text).filter_map(|line| setting(text, line)) {
+    let mut known = BTreeSet::new();
+    let settings = lines(text).filter_map(|line| setting(text, line));
+    let mut complaints = complaints(settings, |setting| {
         let taken = match known.insert(setting.key.clone()) {
             true => list.take(&setting),
             false => Err("each key once"),
         };
-        complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
-        if complaints.len() >= MOST_COMPLAINTS {
-            break;
-        }
-    }
-    complaints.extend(list.missing().map(|missing| {
-        let message = format!("the list does not say {missing}");
-        Complaint::new(0..0, message, "name the complete list of the control")
-    }));
+        taken.map_err(|expected| wrong(&setting, expected))
+    });
+    let missing = list.missing().map(|what| Complaint::new(0..0, refused::list_without(what)));
+    complaints.extend(missing);
     located(file, text, complaints).or_ok(list)
 }
 
@@ -249,11 +215,7 @@ fn one_of(value: &str, words: &[&str], expected: &'static str) -> Result<(), &'s
 
 fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
     let (key, value) = (shown(&setting.key), shown(setting.value));
-    Complaint::new(
-        setting.span.clone(),
-        format!("`{key}` is `{value}`, expected {expected}"),
-        "a line holds a key and its value; `#` begins a comment",
-    )
+    Complaint::new(setting.span.clone(), refused::other_setting(key, value, expected))
 }
 
 // `ISG_CSV`: blocks of a header and rows of numbers between blanks; `//` begins a comment, `#` ends a block.
@@ -277,25 +239,20 @@ struct Block {
 
 /// The parameters of a file.
 fn curves_of(file: &str, text: &str) -> Result<Vec<Curve>, Problems> {
-    let mut complaints: Vec<Complaint> = Vec::new();
     let mut curves: Vec<Curve> = Vec::new();
     let mut block: Option<Block> = None;
-    for line in lines(text) {
+    let mut complaints = complaints(lines(text), |line| {
         let comment = text[line.clone()].find("//");
         let line = line.start..comment.map_or(line.end, |at| line.start + at);
         let words = words(text, line.clone());
         let ended = words.first().is_some_and(|(word, _)| word.starts_with('#'));
-        let done = match (&mut block, &words[..]) {
+        match (&mut block, &words[..]) {
             (_, []) => Ok(()),
             (_, _) if ended => end(block.take(), &mut curves),
             (None, header) => begin(header, line).map(|begun| block = Some(begun)),
             (Some(block), row) => block.push(row, line),
-        };
-        complaints.extend(done.err());
-        if complaints.len() >= MOST_COMPLAINTS {
-            break;
         }
-    }
+    });
     complaints.extend(end(block, &mut curves).err());
     located(file, text, complaints).or_ok(curves)
 }
@@ -319,13 +276,7 @@ fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
     let other = block.parameters().map(|(_, parameter)| parameter);
     match other.filter(|parameter| !own(parameter)).last() {
         None => Ok(block),
-        Some(parameter) => Err(Complaint::new(
-            span,
-            format!(
-                "{parameter} depends on something else than the position of its own axis, which is not emulated"
-            ),
-            "a block has the position of one axis and the parameters of this axis; constants stand in a block of their own",
-        )),
+        Some(parameter) => Err(Complaint::new(span, refused::other_argument(parameter))),
     }
 }
 
@@ -341,11 +292,7 @@ fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
     if is_name && !name.starts_with(|c: char| c.is_ascii_digit()) {
         return Ok(Column::Zero(name));
     }
-    Err(Complaint::new(
-        span,
-        format!("`{}` is neither an axis nor a parameter", shown(word)),
-        "the first line of a block names its columns, for instance `X EXX EYX EZX`",
-    ))
+    Err(Complaint::new(span, refused::no_parameter(shown(word))))
 }
 
 impl Block {
@@ -363,38 +310,24 @@ impl Block {
     }
 
     fn push(&mut self, row: &Words<'_>, span: Range<usize>) -> Result<(), Complaint> {
-        let complaint =
-            |message: String, help: &str| Err(Complaint::new(span.clone(), message, help));
+        let complaint = |wrong| Err(Complaint::new(span.clone(), wrong));
         if row.len() != self.columns.len() {
-            let (found, expected) = (row.len(), self.columns.len());
-            return complaint(
-                format!("{found} numbers, expected {expected} as in the header"),
-                "a row has a number for each column; `#` in a line ends a block",
-            );
+            return complaint(refused::other_count(row.len(), self.columns.len()));
         }
         let mut numbers = Vec::new();
         for ((word, span), column) in row.iter().zip(&self.columns) {
-            let value = number(word).ok_or_else(|| no_number(word, span))?;
+            let no_number = || Complaint::new(span.clone(), refused::no_number(shown(word)));
+            let value = number(word).ok_or_else(no_number)?;
             if let (Column::Zero(name), true) = (column, value.abs() > 0.0) {
-                return complaint(
-                    format!("{name} is {value}: this parameter is not emulated"),
-                    "name files in which it is 0, or that do not hold it",
-                );
+                return complaint(refused::not_zero(name, value));
             }
             numbers.push(value);
         }
         match (self.argument(), self.rows.last()) {
-            (None, Some(_)) => complaint(
-                "a second row of constants".to_string(),
-                "a block without positions has one row",
-            ),
-            (Some(at), Some(last)) if numbers[at] <= last[at] => complaint(
-                format!(
-                    "position {} does not lie above {} of the row before",
-                    numbers[at], last[at]
-                ),
-                "rows ascend, each position once",
-            ),
+            (None, Some(_)) => complaint(refused::second_row()),
+            (Some(at), Some(last)) if numbers[at] <= last[at] => {
+                complaint(refused::not_ascending(numbers[at], last[at], ""))
+            }
             _ => {
                 self.rows.push(numbers);
                 Ok(())
@@ -403,28 +336,18 @@ impl Block {
     }
 }
 
-fn no_number(word: &str, span: &Range<usize>) -> Complaint {
-    Complaint::new(
-        span.clone(),
-        format!("`{}` is no number that a machine can mean", shown(word)),
-        "positions in mm, deviations in mm, angles in rad, with a decimal point",
-    )
-}
-
 /// Takes the parameters of a block.
 fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
     let Some(block) = block else {
         return Ok(());
     };
     if block.rows.is_empty() {
-        let message = "a header without a row";
-        return Err(Complaint::new(block.span, message, "the file may have been cut off"));
+        return Err(Complaint::new(block.span, refused::no_row()));
     }
     let argument = block.argument();
     for (index, parameter) in block.parameters() {
         if curves.iter().any(|curve| curve.parameter == parameter) {
-            let message = format!("{parameter} stands twice");
-            return Err(Complaint::new(block.span.clone(), message, "give each parameter once"));
+            return Err(Complaint::new(block.span.clone(), refused::twice(parameter)));
         }
         let position = |row: &[f64]| argument.map_or(0.0, |at| row[at]);
         let point = |row: &Vec<f64>| Point { position: position(row), value: row[index] };

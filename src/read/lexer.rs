@@ -9,25 +9,27 @@ use std::ops::Range;
 pub(super) struct Complaint {
     /// Bytes of the whole text.
     pub(super) span: Range<usize>,
-    /// What was found and what was expected.
-    pub(super) message: String,
-    /// What to do next.
-    pub(super) help: String,
+    /// What was found, what was expected, and what to do next.
+    pub(super) problem: Box<Problem>,
 }
 
 impl Complaint {
     /// A complaint about the bytes `span`.
-    pub(super) fn new(
-        span: Range<usize>,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Self {
-        Complaint { span, message: message.into(), help: help.into() }
+    pub(super) fn new(span: Range<usize>, problem: Problem) -> Self {
+        Complaint { span, problem: Box::new(problem) }
     }
 }
 
 /// How many complaints of one file are looked for: nobody reads further, and a binary file has millions.
 pub(super) const MOST_COMPLAINTS: usize = 200;
+
+/// What is wrong with the lines of a file, or what stands in them, taken one by one.
+pub(super) fn complaints<T>(
+    items: impl Iterator<Item = T>,
+    mut take: impl FnMut(T) -> Result<(), Complaint>,
+) -> Vec<Complaint> {
+    items.filter_map(|item| take(item).err()).take(MOST_COMPLAINTS).collect()
+}
 
 /// Complaints about a text with their places, in its order.
 pub(super) fn located(file: &str, text: &str, mut complaints: Vec<Complaint>) -> Problems {
@@ -37,7 +39,7 @@ pub(super) fn located(file: &str, text: &str, mut complaints: Vec<Complaint>) ->
     for complaint in complaints {
         problems.push_with(|| {
             let place = index.place(file, text, complaint.span.start, complaint.span.end);
-            Problem::new(complaint.message).at(place).help(complaint.help)
+            complaint.problem.at(place)
         });
     }
     problems

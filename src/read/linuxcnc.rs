@@ -22,6 +22,7 @@ use crate::read::lexer::{Complaint, Cursor, lines, located};
 use crate::read::listed;
 use crate::read::program::blocks::Meaning::{self, End, Neutral};
 use crate::read::program::blocks::{Code, Vocabulary, refuse, without_comments};
+use crate::read::refused;
 use crate::text::{Finding, Problem, Problems, shown};
 use part_program::Language;
 use std::collections::BTreeMap;
@@ -35,13 +36,6 @@ impl Family for LinuxcncFacts {
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(listed::control(tables.own(), self, state)?))
-    }
-
-    /// A joint has one table; a HAL file takes the place of another.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        listed::load(held, file, |own, new| {
-            own.is_own() == new.is_own() && (!own.is_own() || own.output == new.output)
-        });
     }
 
     fn may_obey(&self, text: &str) -> bool {
@@ -81,7 +75,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     let is_hal = |(_, text): &(&str, &str)| takes_hal && files::is_hal(text);
     let (hals, others): (Vec<_>, Vec<_>) = others.into_iter().partition(is_hal);
     if inis.is_empty() && (hals.is_empty() || !others.is_empty()) {
-        return Err(no_ini(&others).into());
+        return Err(refused::no_ini(quoted(&others)).into());
     }
     let (ini_name, text) = match inis.is_empty() {
         true => ("", ""), // a HAL file alone
@@ -96,7 +90,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
             continue;
         };
         match others.iter().find(|(name, _)| file_name(name) == file_name(path)) {
-            None => problems.push(not_there(*number, path)),
+            None => problems.push(refused::no_comp_file(number, shown(path))),
             Some((name, text)) => {
                 named.push(name);
                 let of_profile = joint.columns.unwrap_or(Columns::Reached) == facts.columns.value;
@@ -135,12 +129,7 @@ fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<ListedTable
     match hals {
         [] => Ok(Vec::new()),
         [(name, text)] => files::tables(name, text, facts),
-        [_, (name, _), ..] => Err(Problem::new(format!(
-            "`{}` is a second HAL file",
-            shown(name)
-        ))
-        .help("name the file with the corrections alone; the machine's own HAL files are not read")
-        .into()),
+        [_, (name, _), ..] => Err(refused::second_hal(shown(name)).into()),
     }
 }
 
@@ -161,11 +150,7 @@ fn the_ini<'a>(inis: &[(&'a str, &'a str)]) -> Result<(&'a str, &'a str), Proble
     match (&machines[..], inis) {
         ([of_machine], _) => Ok(**of_machine),
         ([], [only]) => Ok(*only),
-        _ => Err(Problem::new(format!(
-            "several ini files, of which one can be that of the machine: {}",
-            quoted(inis)
-        ))
-        .help("name one of them: the ini file that LinuxCNC is started with")),
+        _ => Err(refused::several_inis(quoted(inis))),
     }
 }
 
@@ -177,27 +162,7 @@ fn ambiguous(ini: &Ini) -> Option<Problem> {
         paths.iter().any(|other| other != *path && file_name(other) == file_name(path))
     };
     let path = paths.iter().find(twin)?;
-    let message =
-        format!("two COMP_FILE have the name `{}` in different folders", shown(file_name(path)));
-    Some(
-        Problem::new(message).help("give the tables different names in the ini file and beside it"),
-    )
-}
-
-fn no_ini(texts: &[(&str, &str)]) -> Problem {
-    Problem::new(format!(
-        "no ini file stands beside {}: a table says neither its joint nor its type nor its unit",
-        quoted(texts)
-    ))
-    .help("name the ini file of the machine, or the lines of the kit, together with the tables")
-}
-
-fn not_there(joint: u32, path: &str) -> Problem {
-    let path = shown(path);
-    Problem::new(format!(
-        "COMP_FILE of [JOINT_{joint}] names `{path}`, which is not there: LinuxCNC does not start without it"
-    ))
-    .help("name the file together with the ini file; behind the name of a COMP_FILE no comment may stand")
+    Some(refused::same_name(shown(file_name(path))))
 }
 
 // LinuxCNC part programs of measuring runs: `(…)` is a comment, `(MSG,…)` a text for the screen.
@@ -264,17 +229,10 @@ fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Pro
         }
     };
     if lines.any(|(row, _)| row.is_some()) {
-        let message = "LinuxCNC stops reading here without a word: rows below this line do nothing";
-        return refuse(Complaint::new(
-            stop,
-            message,
-            "a table holds no comment, header or blank line",
-        ));
+        return refuse(Complaint::new(stop, refused::stops_reading()));
     }
     if rows.is_empty() {
-        let message = "no row begins the file: LinuxCNC runs without this table, and says nothing";
-        let help = "a table holds `nominal forward reverse` in each line and nothing else";
-        return refuse(Complaint::new(stop, message, help));
+        return refuse(Complaint::new(stop, refused::no_first_row()));
     }
     Ok(rows)
 }
@@ -310,28 +268,19 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
 /// What is wrong with a row behind those before it.
 fn wrong(before: &[Point], row: Point, span: &Range<usize>, most: u32) -> Option<Complaint> {
     let is_length = |number: f64| number.abs() < LONGEST;
-    let complaint = |message: String, help: &str| Some(Complaint::new(span.clone(), message, help));
+    let complaint = |wrong| Some(Complaint::new(span.clone(), wrong));
     if span.len() > LONGEST_LINE {
-        let message = format!("a line of {} characters, LinuxCNC takes {LONGEST_LINE}", span.len());
-        return complaint(message, "write three numbers in a line");
+        return complaint(refused::long_row(span.len(), LONGEST_LINE));
     }
     if ![row.position, row.forward].into_iter().chain(row.reverse).all(is_length) {
-        let message = "a number beyond every machine".to_string();
-        return complaint(message, "write positions and values in the machine unit");
+        return complaint(refused::beyond_machines());
     }
     let last = before.last().map(|last| last.position);
     if let Some(last) = last.filter(|last| row.position <= *last) {
-        let message = format!(
-            "position {} does not lie above {last} of the row before: LinuxCNC drops the row",
-            row.position
-        );
-        return complaint(message, "rows ascend, each position once");
+        let drops = ": LinuxCNC drops the row";
+        return complaint(refused::not_ascending(row.position, last, drops));
     }
-    if before.len() >= most as usize {
-        let message = format!("a row behind the {most} that LinuxCNC takes: it runs without it");
-        return complaint(message, "use a larger spacing");
-    }
-    None
+    (before.len() >= most as usize).then(|| Complaint::new(span.clone(), refused::row_behind(most)))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Form, Listed, Outside, ValueForm};
-use crate::control::table::{ListedTable, ListedTables, Point, Tables};
+use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::quantity::{Correction, Direction, Figure, Millimetres, UM_PER_MM, power_of_ten};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 
@@ -40,29 +40,13 @@ pub(super) fn control(
     Ok(PairControl { pairs, replaces_backlash: own.replaces_parameter(), state: state.clone() })
 }
 
-/// The tables of a file take the places of those held that they replace; the others stay.
-pub(super) fn load(
-    held: &mut Tables,
-    file: Tables,
-    replaces: impl Fn(&ListedTable, &ListedTable) -> bool,
-) {
-    match (held, file) {
-        (Tables::Listed(held), Tables::Listed(file)) => {
-            let stays = |own: &ListedTable| !file.tables.iter().any(|new| replaces(own, new));
-            held.tables.retain(stays);
-            *held = ListedTables::of([std::mem::take(&mut held.tables), file.tables].concat());
-        }
-        (held, file) => *held = file,
-    }
-}
-
 fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emulated<Pair> {
     let (name, form) = own;
     let mut points = if form.is_factor { line(table, base) } else { table.points.clone() };
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
-        let response = OneWay { points: &points, value, form }.response(base.reference);
-        response.ok_or_else(|| CannotEmulate(format!("the {name} has no point")))
+        let added = one_way(form, &points, value, base.reference);
+        added.ok_or_else(|| CannotEmulate(format!("the {name} has no point")))
     };
     let copies =
         form.zero_reverse_is_forward && points.iter().all(|point| point.reverse == Some(0.0));
@@ -77,13 +61,12 @@ fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emul
 
 /// The line of a factor over the travel, in mm.
 fn line(table: &ListedTable, base: &AxisState) -> Vec<Point> {
-    let ends = [base.travel.0, base.travel.1];
     let point = |place: Millimetres| Point {
         position: place.mm(),
         forward: table.factor() * (place - base.reference).mm(),
         reverse: None,
     };
-    ends.map(point).to_vec()
+    base.travel().map(point).to_vec()
 }
 
 /// Whether ascending places cover the travel of the axis that is looked up and do not go beyond it, where a control
@@ -98,7 +81,7 @@ fn meets_travel(
     let (Some(first), Some(last)) = (places.first(), places.last()) else {
         return Ok(());
     };
-    let (low, high) = (base.travel.0.mm(), base.travel.1.mm());
+    let [low, high] = base.travel().map(Millimetres::mm);
     let is_nothing = |at: &f64| {
         let um = |way: &Response| way.correction(Millimetres::new(*at)).um().abs();
         ways.iter().all(|way| um(way) <= NOTHING_UM)
@@ -132,39 +115,32 @@ fn places_mm(form: &Form, points: &[Point]) -> Vec<f64> {
     points.iter().map(|point| point.position * form.position_um / UM_PER_MM).collect()
 }
 
-/// The values of a table for one direction.
-struct OneWay<'a> {
-    points: &'a [Point],
+/// What a column of a table adds; `None` without a point.
+fn one_way(
+    form: &Form,
+    points: &[Point],
     value: fn(&Point) -> f64,
-    form: &'a Form,
-}
-
-impl OneWay<'_> {
-    fn response(&self, reference: Millimetres) -> Option<Response> {
-        let correction = |amount: &f64| self.form.sign.correction(amount * self.form.value_um);
-        let values: Vec<Correction> = self.amounts().iter().map(correction).collect();
-        let mut response = Response::straight(&places_mm(self.form, self.points), &values)?;
-        if self.form.value == ValueForm::Increment {
-            response.shift(Correction::from_um(0.0 - response.correction(reference).um()));
-        }
-        Some(response)
-    }
-
-    /// Error or correction at each point, in the size of a value.
-    fn amounts(&self) -> Vec<f64> {
-        let mut sum = 0.0;
-        let amount = |point: &Point| {
-            let value = (self.value)(point);
-            sum += value;
-            let amount = match self.form.value {
-                ValueForm::Amount => value,
-                ValueForm::Position => value - point.position,
-                ValueForm::Increment => sum,
-            };
-            if self.form.is_float { as_float(amount) } else { amount }
+    reference: Millimetres,
+) -> Option<Response> {
+    let mut sum = 0.0;
+    let correction = |point: &Point| {
+        let value = value(point);
+        sum += value;
+        // Error or correction, in the size of a value.
+        let amount = match form.value {
+            ValueForm::Amount => value,
+            ValueForm::Position => value - point.position,
+            ValueForm::Increment => sum,
         };
-        self.points.iter().map(amount).collect()
+        let amount = if form.is_float { as_float(amount) } else { amount };
+        form.sign.correction(amount * form.value_um)
+    };
+    let values: Vec<Correction> = points.iter().map(correction).collect();
+    let mut response = Response::straight(&places_mm(form, points), &values)?;
+    if form.value == ValueForm::Increment {
+        response.shift(Correction::from_um(0.0 - response.correction(reference).um()));
     }
+    Some(response)
 }
 
 /// A number as the control holds it in a C float.

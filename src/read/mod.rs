@@ -18,10 +18,11 @@ mod lexer;
 pub mod linuxcnc;
 mod listed;
 pub mod program;
+mod refused;
 pub mod siemens;
 
 pub use self::family::{
     FileData, ReadBack, check_examples, emulator, is_whole, read, read_apart, read_out_text,
 };
-pub(crate) use self::family::{file_name, load, may_be_meant_for, unread};
+pub(crate) use self::family::{file_name, may_be_meant_for, unread};
 pub(crate) use self::findings::ReadFinding;

@@ -34,6 +34,7 @@ use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::program::blocks::Cancelled::*;
 use crate::read::program::blocks::Meaning::*;
 use crate::read::program::blocks::{Code, Meaning, Vocabulary};
+use crate::read::refused;
 use crate::text::{Problem, Problems, refuse_long_lines, shown};
 use part_program::Language;
 use std::ops::Range;
@@ -61,13 +62,6 @@ impl Family for SiemensFacts {
         Ok(Box::new(control::control(tables.own(), self, state)?))
     }
 
-    fn load(&self, held: &mut Tables, file: Tables) {
-        if let (Tables::Siemens(held), Tables::Siemens(file)) = (held, file) {
-            held.tables.retain(|known| file.at(&known.place).is_none());
-            held.tables.extend(file.tables);
-        }
-    }
-
     /// A program of whatever kind has an end word.
     fn may_obey(&self, text: &str) -> bool {
         let is_end_word = |line: Range<usize>| {
@@ -82,11 +76,7 @@ impl Family for SiemensFacts {
     }
 
     fn refusal(&self, name: &str, bytes: &[u8]) -> Option<Problem> {
-        let archive = Problem::new(format!(
-            "`{}` is a commissioning archive, which is not read",
-            shown(name)
-        ));
-        is_archive(bytes).then(|| archive.help("export `AX_EEC.INI` (ENC_COMP) and `NC_CEC.INI` (CEC) from the NC active data, with `INITIAL.INI` for the switches and MD32450, and name them in its place"))
+        is_archive(bytes).then(|| refused::archive(shown(name)))
     }
 }
 
@@ -177,11 +167,8 @@ impl<'a> Reader<'a> {
     fn is_full(&mut self, line: &Range<usize>) -> bool {
         let has_too_many = self.statements > MOST_STATEMENTS || self.memory.is_full();
         if has_too_many {
-            let message = format!(
-                "here are more than {MOST_STATEMENTS} statements, {MOST_TABLES} tables or {MOST_DATA} machine data of the compensation, too many for any control"
-            );
-            let help = "check that this is a file of the control";
-            self.complaints.push(Complaint::new(line.clone(), message, help));
+            let wrong = refused::much_data(MOST_STATEMENTS, MOST_TABLES, MOST_DATA);
+            self.complaints.push(Complaint::new(line.clone(), wrong));
         }
         has_too_many || self.complaints.len() >= MOST_COMPLAINTS
     }
@@ -194,7 +181,7 @@ impl<'a> Reader<'a> {
         }
         self.statements += 1;
         if self.ended {
-            return Err(after_end(code));
+            return Err(Complaint::new(code, refused::after_end()));
         }
         match found {
             Statement::Nothing => {}
@@ -253,7 +240,7 @@ impl<'a> Reader<'a> {
                 && behind_end.len() < MOST_COMPLAINTS
                 && !matches!(concern, Concern::Unit(_))
             {
-                behind_end.push(after_end(code));
+                behind_end.push(Complaint::new(code, refused::after_end()));
             }
         }
         if !has_headers && is_program(self.file) {
@@ -287,29 +274,15 @@ fn destination(text: &str) -> Result<(), Complaint> {
     let is_data = header.starts_with("%_N_") && header.ends_with("_INI");
     let named = text[path.clone()].to_ascii_uppercase();
     match named.strip_prefix(";$PATH=") {
-        Some(folder) if is_data && folder.trim_end() != "/_N_NC_ACT_DIR" => Err(Complaint::new(
-            path,
-            "the file does not go to the active data of the control",
-            "write `;$PATH=/_N_NC_ACT_DIR`, or leave the line out",
-        )),
+        Some(folder) if is_data && folder.trim_end() != "/_N_NC_ACT_DIR" => {
+            Err(Complaint::new(path, refused::goes_elsewhere()))
+        }
         _ => Ok(()),
     }
 }
 
 fn no_end(end: usize) -> Complaint {
-    Complaint::new(
-        end..end,
-        "the file has no end word; it is not complete",
-        "a compensation file ends with `M17` or `M30`: transfer it again, or take it out of the directory if it is no file of the control",
-    )
-}
-
-fn after_end(line: Range<usize>) -> Complaint {
-    Complaint::new(
-        line,
-        "a statement follows the end word",
-        "the control does not read on; move the end word to the end of the file",
-    )
+    Complaint::new(end..end, refused::no_end_word())
 }
 
 // SINUMERIK part programs of measuring runs: `;` begins a comment, `MSG("…")` is a text for the screen.

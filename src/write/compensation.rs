@@ -141,11 +141,12 @@ fn is_involved(plan: &Plan, axis: Axis) -> bool {
 /// Names that the profile gives and the job does not state.
 fn default_names(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Assumption> {
     let reach_axes = family(task.profile).names_reach_axes();
-    let axes = plan.default_names.iter();
-    axes.filter(move |axis| reach_axes && is_involved(plan, **axis)).map(|axis| {
+    let is_default = move |axis: &Axis| task.settings(*axis).is_none_or(|own| own.ids.is_empty());
+    let axes = Axis::ALL.into_iter().filter(move |axis| reach_axes && is_involved(plan, *axis));
+    axes.filter(is_default).map(|axis| {
         Assumption::of_job(
             format!("axis_name_{}", axis.key()),
-            plan.names[*axis].join(", "),
+            plan.names[axis].join(", "),
             format!(
                 "tables would reach another axis: state `id` in [compensation.axes.{}]",
                 axis.key()

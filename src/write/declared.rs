@@ -109,10 +109,6 @@ impl Family for DeclaredFacts {
         Ok(compiled)
     }
 
-    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        listed::uses([Mechanism::OwnTable, Mechanism::CrossTable], mechanism, tables)
-    }
-
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let own: &ListedTables = emitted.tables.own();
         let seen = match &self.typed {
@@ -138,13 +134,13 @@ impl Family for DeclaredFacts {
         self.factors().iter().map(shown).collect()
     }
 
-    fn has(&self, mechanism: Mechanism) -> bool {
-        let has_cross = mechanism != Mechanism::CrossTable || self.cross_terms.value > 0;
-        self.factors.is_some() == (mechanism == Mechanism::Skew) && has_cross
-    }
-
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_cross() == (mechanism != Mechanism::OwnTable)
+        match mechanism {
+            Mechanism::OwnTable => table.term.is_positioning(),
+            Mechanism::CrossTable => table.term.is_cross() && self.factors.is_none(),
+            Mechanism::Skew => self.factors.is_some(),
+            _ => true,
+        }
     }
 
     fn proves_by_slope(&self) -> bool {
@@ -173,7 +169,7 @@ impl Family for DeclaredFacts {
             let gain = |term| if term == proof.term { slope } else { Deviation::ZERO };
             return Some(Tables::Listed(self.in_numbers("_sign", gain)));
         }
-        Some(listed::proof_tables(self, proof, |planned| self.belongs(proof.mechanism, planned)))
+        Some(listed::proof_tables(self, proof))
     }
 }
 

@@ -22,6 +22,7 @@ use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, Seen, ascii, is_comment_text, seen, with};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
+use crate::write::refused;
 use crate::write::task::Task;
 use serde::Serialize;
 use serde_json::Value;
@@ -68,11 +69,9 @@ fn list_of<'a>(
     file: &EmittedFile,
     (key, list): (&str, &str),
 ) -> Result<&'a [tera::Value], Problem> {
-    seen.get(list).and_then(tera::Value::as_array).ok_or_else(|| {
-        let (list, path) = (shown(list), shown(&file.path));
-        let message = format!("`{key} = \"{list}\"` of `{path}`: this control has no such list");
-        Problem::new(message).help("`nonius context JOB` prints its lists")
-    })
+    seen.get(list)
+        .and_then(tera::Value::as_array)
+        .ok_or_else(|| refused::no_such_list(key, shown(list), shown(&file.path)))
 }
 
 /// The files of a profile's file: one, or one for each item of a list, with the item; none where its list is empty.
@@ -162,7 +161,7 @@ fn refuse_unsafe_text(task: Task<'_>) -> Result<(), Problems> {
     const OF: &str = "the control's files";
     let mut problems = refused_texts(task.job, comment_texts(task.job), OF);
     if !is_comment_text(&ascii(&task.profile.name)) {
-        problems.push(no_comment("the profile's `name`", OF, Problem::new));
+        problems.push(refused::no_comment("the profile's `name`", OF, COMMENT_TEXT));
     }
     problems.or_ok(())
 }
@@ -175,15 +174,10 @@ pub(super) fn refused_texts<'a>(
 ) -> Problems {
     let mut problems = Problems::none();
     for (path, _) in texts.filter(|(_, text)| !is_comment_text(&ascii(text))) {
-        let at_path = |words: String| job.problem_at(path, words);
-        problems.push(no_comment(&format!("`{path}`"), files, at_path));
+        let wrong = refused::no_comment(format!("`{path}`"), files, COMMENT_TEXT);
+        problems.push(job.source.at(path, wrong));
     }
     problems
-}
-
-fn no_comment(what: &str, files: &str, problem: impl Fn(String) -> Problem) -> Problem {
-    problem(format!("{what} goes into comments of {files}, expected {COMMENT_TEXT}"))
-        .help("write it in plain letters and digits")
 }
 
 /// Texts of a job that stand in comments, with their keys.
@@ -237,7 +231,7 @@ pub(crate) fn render_checklist(
     compiled: &Compiled,
     words: &Words,
 ) -> Result<Vec<KitFile>, Problems> {
-    let words = Seen::try_from_serializable(words).map_err(templates::no_context)?;
+    let words = Seen::try_from_serializable(words).map_err(refused::no_context)?;
     let head = head_of(&Emitted::of_kit(task, compiled));
     const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
     let names = head.into_map().unwrap_or_default().into_iter();
@@ -307,14 +301,7 @@ pub(crate) fn bytes_of(path: &str, text: &str, profile: &Profile) -> Result<Vec<
     let is_plain = |byte: u8| (b' '..=b'~').contains(&byte);
     let has_unseen = |line: &str| !line.bytes().all(is_plain) && line.contains(unseen);
     if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| has_unseen(line)) {
-        let message = format!(
-            "line {number} of `{}` would hold a character that is not seen: `{}`",
-            shown(path),
-            shown(line)
-        );
-        let help =
-            "a control may obey it: take it out of the template, or out of the text that it prints";
-        return Err(Problem::new(message).help(help));
+        return Err(refused::unseen(number, shown(path), shown(line)));
     }
     let text = lines.by_ref().collect::<Vec<&str>>().join(profile.line_end.value.text());
     Ok(match profile.encoding() {

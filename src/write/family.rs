@@ -64,8 +64,8 @@ pub(crate) trait Family {
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems>;
 
     /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.
-    fn uses(&self, _mechanism: Mechanism, _plan: &Plan, _tables: &Tables) -> bool {
-        true
+    fn uses(&self, mechanism: Mechanism, plan: &Plan, _tables: &Tables) -> bool {
+        plan.tables.iter().any(|own| self.belongs(mechanism, own))
     }
 
     /// Whether the names of the axes say which axis of the control is meant.
@@ -81,12 +81,7 @@ pub(crate) trait Family {
         Vec::new()
     }
 
-    /// Whether this control of the family has a mechanism.
-    fn has(&self, _mechanism: Mechanism) -> bool {
-        true
-    }
-
-    /// Whether a table belongs to one of these mechanisms.
+    /// Whether a table is made by a mechanism; what cannot be judged is.
     fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
         true
     }
@@ -270,7 +265,6 @@ pub(crate) fn stated_control(
             backlash_um: backlash_um(axis),
             bidirectional: is_bidirectional(axis),
             interpolated: settings.is_some_and(AxisSettings::is_interpolated),
-            travel: machine.reach(),
             ends: (machine.low, machine.high),
             rest: Millimetres::new(rest[axis]),
         }));

@@ -18,6 +18,7 @@ use crate::write::family::{
     Bump, Compiled, Emitted, Family, ProofOf, backlash_parameter, control_state,
 };
 use crate::write::grid::{LengthDigit, as_number, whole};
+use crate::write::refused;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key, axis_pairs};
 use std::collections::BTreeMap;
@@ -30,11 +31,7 @@ impl Family for FanucFacts {
     }
 
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
-        let decimals = match unit {
-            ControlUnit::Millimetre => self.interval_decimals_mm.value,
-            ControlUnit::Inch => self.interval_decimals_inch.value,
-        };
-        LengthDigit { unit, decimals }
+        LengthDigit { unit, decimals: self.interval_decimals(unit) }
     }
 
     fn takes_directions(&self, term: ErrorTerm) -> bool {
@@ -102,17 +99,6 @@ impl Family for FanucFacts {
         })
     }
 
-    fn uses(&self, mechanism: Mechanism, plan: &Plan, _tables: &Tables) -> bool {
-        let crosses = plan.has_cross();
-        match mechanism {
-            Mechanism::Pitch => plan.tables.iter().any(|t| t.term.is_positioning()),
-            Mechanism::Bidirectional => plan.tables.iter().any(|t| t.direction.is_some()),
-            Mechanism::Straightness => crosses,
-            Mechanism::FourPoint | Mechanism::PerPoint => crosses && self.has(mechanism),
-            _ => true,
-        }
-    }
-
     /// `parameters` (one block each, with its segments) and `points`.
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let memory: &FanucMemory = emitted.tables.own();
@@ -139,16 +125,15 @@ impl Family for FanucFacts {
         }
     }
 
-    fn has(&self, mechanism: Mechanism) -> bool {
+    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
         match mechanism {
-            Mechanism::FourPoint => is_four_point(self),
-            Mechanism::PerPoint => !is_four_point(self),
+            Mechanism::Pitch => table.term.is_positioning(),
+            Mechanism::Bidirectional => table.direction.is_some(),
+            Mechanism::Straightness => table.term.is_cross(),
+            Mechanism::FourPoint => table.term.is_cross() && is_four_point(self),
+            Mechanism::PerPoint => table.term.is_cross() && !is_four_point(self),
             _ => true,
         }
-    }
-
-    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_positioning() == (mechanism == Mechanism::Pitch)
     }
 
     /// A straightness set of four points has no increments, but the control refuses a slope that is too
@@ -289,17 +274,13 @@ fn check_3605(task: Task<'_>, problems: &mut Problems) {
         let Some(settings) = task.settings(axis) else { continue };
         let Some(bits) = settings.parameter_3605 else { continue };
         if bits & 0b1100 != 0 {
-            let words = "3605 with bit 2 or 3 (arbitrary-pitch, cyclic second compensation) is not emulated";
-            let problem = task.job.problem_at(&axis_key(axis, ".parameter_3605"), words);
-            problems.push(
-                problem.help("such a control is not served; are the bits those of this axis?"),
-            );
+            let key = axis_key(axis, ".parameter_3605");
+            problems.push(task.job.source.at(&key, refused::other_bits()));
         }
         let found = (bits >> 1) & 1;
         if let Some(stated) = settings.interpolated.filter(|stated| u8::from(*stated) != found) {
-            let words = format!("`interpolated` is {stated}, but 3605#1 was found as {found}");
-            let problem = task.job.problem_at(&axis_key(axis, ".interpolated"), words);
-            problems.push(problem.help("leave `interpolated` out: 3605#1 stays as it was found"));
+            let key = axis_key(axis, ".interpolated");
+            problems.push(task.job.source.at(&key, refused::other_bit_1(stated, found)));
         }
     }
 }
@@ -309,11 +290,8 @@ fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {
         if let Some((counts, unit_um)) = backlash_counts(task, plan, axis)
             && counts.abs() > LARGEST_BACKLASH
         {
-            let words = format!(
-                "axis {axis} would need a backlash parameter of {counts} × {unit_um} µm, the control takes ±{LARGEST_BACKLASH}"
-            );
-            let problem = task.job.problem_at("compensation.backlash", words);
-            problems.push(problem.help("check the measurement and `detection_unit_um`"));
+            let wrong = refused::large_backlash(axis, counts, unit_um, LARGEST_BACKLASH);
+            problems.push(task.job.source.at("compensation.backlash", wrong));
         }
     }
 }

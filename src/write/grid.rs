@@ -13,6 +13,7 @@ use crate::control::controller::ControlUnit;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::quantity::{Axis, Millimetres, Nodes, power_of_ten};
 use crate::text::{Problem, Problems};
+use crate::write::refused;
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;
@@ -158,38 +159,27 @@ pub(crate) fn with_spacing(
     digit: LengthDigit,
     spacing_mm: f64,
 ) -> Result<Grid, Problems> {
-    let problem = |key: &str, words: String| {
-        job.problem_at(&format!("compensation.axes.{}.{key}", axis.key()), words)
-    };
+    let at =
+        |key: &str, wrong| job.source.at(&format!("compensation.axes.{}.{key}", axis.key()), wrong);
     if spacing_mm < digit.digit_mm() {
-        let words = format!(
-            "a spacing of {spacing_mm} mm is below the last digit of the control ({} {})",
-            digit.digit_mm() / digit.unit.in_mm(),
-            digit.unit.word()
-        );
-        return Err(problem("spacing_mm", words).help("use a larger spacing").into());
+        let (last, unit) = (digit.digit_mm() / digit.unit.in_mm(), digit.unit.word());
+        return Err(at("spacing_mm", refused::below_digit(spacing_mm, last, unit)).into());
     }
     let mut problems = Problems::none();
     let spacing_digits = digits_of(spacing_mm, digit);
     let spacing_mm = written_mm(spacing_digits, digit);
     let (first, last) = Span::of(machine).indices(spacing_mm);
     let mut stated = |key: &str, stated_mm: Option<f64>| {
-        problems.take(on_grid(machine, spacing_mm, stated_mm?, |words| problem(key, words)))
+        problems.take(on_grid(machine, spacing_mm, stated_mm?).map_err(|wrong| at(key, wrong)))
     };
     let first = stated("start_mm", settings.start_mm).unwrap_or(first);
     let last = stated("end_mm", settings.end_mm).unwrap_or(last);
     if first > 0 || last < 0 {
         let key = if first > 0 { "start_mm" } else { "end_mm" };
-        let words = format!(
-            "the table of axis {axis} would not hold the reference point {} mm, where it must be zero",
-            machine.reference.mm()
-        );
-        let help = "let the table begin at or before the reference and end at or behind it";
-        problems.push(problem(key, words).help(help));
+        problems.push(at(key, refused::without_reference(axis, machine.reference.mm())));
     }
     if first == last && problems.is_empty() {
-        let words = format!("the table of axis {axis} would have a single point");
-        problems.push(problem("spacing_mm", words).help("use a smaller spacing"));
+        problems.push(at("spacing_mm", refused::single_point(axis)));
     }
     problems.or_ok(Grid { reference: machine.reference, spacing_digits, digit, first, last })
 }
@@ -217,22 +207,14 @@ pub(crate) fn as_number(count: i64) -> f64 {
     count as f64
 }
 
-fn on_grid(
-    machine: MachineAxis,
-    spacing_mm: f64,
-    place_mm: f64,
-    problem: impl Fn(String) -> Problem,
-) -> Result<i64, Problem> {
+fn on_grid(machine: MachineAxis, spacing_mm: f64, place_mm: f64) -> Result<i64, Problem> {
     let reference_mm = machine.reference.mm();
     let index = (place_mm - reference_mm) / spacing_mm;
     if (index - index.round()).abs() * spacing_mm <= END_OFF_GRID_MM {
         return Ok(whole(index.round()));
     }
     let [below, above] = [index.floor(), index.ceil()].map(|at| reference_mm + at * spacing_mm);
-    let words = format!(
-        "{place_mm} mm is not on the grid of {spacing_mm} mm anchored on the reference {reference_mm} mm"
-    );
-    Err(problem(words).help(format!("the nearest grid points are {below} mm and {above} mm")))
+    Err(refused::off_grid(place_mm, spacing_mm, reference_mm, below, above))
 }
 
 /// A grid of a number of points: the smallest spacing (rounded up to 0.001 mm) with which that
@@ -248,11 +230,7 @@ pub(crate) fn with_points(
     let fits = |step: i64| span.count(spacing_of(step)) <= wanted;
     let longest = whole(((span.below + span.above) / SPACING_STEP_MM).ceil().max(1.0));
     if !fits(longest) {
-        return Err(Problem::new(format!(
-            "{points} points cannot be anchored on the reference {} mm and cover the travel on both sides",
-            machine.reference.mm()
-        ))
-        .help("3 points are needed where the reference lies inside the travel"));
+        return Err(refused::two_points(points, machine.reference.mm()));
     }
     let (mut too_short, mut enough) = (0, longest);
     while enough - too_short > 1 {

@@ -23,6 +23,7 @@ use crate::write::family::{
 };
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
+use crate::write::refused;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key};
 
 impl Family for IsgFacts {
@@ -174,9 +175,7 @@ impl IsgFacts {
         }
         if !angles.is_empty() {
             let chain = task.job.chain_for_angles("machine");
-            chain.map_err(|problem| {
-                problem.help("state it, e.g. `chain = \"wXYZt\"`; or list `terms`, then no angles are written")
-            })?;
+            chain.map_err(|problem| problem.help(refused::STATE_CHAIN))?;
         }
         Ok(angles)
     }
@@ -239,26 +238,12 @@ fn chain(task: Task<'_>) -> Chain {
 fn logical_axes(task: Task<'_>, plan: &Plan) -> Result<PerAxis<Option<u32>>, Problems> {
     let mut problems = Problems::none();
     for (axis, names) in plan.names.iter() {
-        let (key, message, help) = match names.len() {
+        let (key, wrong) = match names.len() {
             1 => continue,
-            0 => (
-                "machine.axes".to_string(),
-                format!(
-                    "the volumetric compensation needs X, Y and Z, and [machine.axes.{}] is missing",
-                    axis.key()
-                ),
-                "add `travel_mm` and `reference_mm` of this axis, and its `id` in [compensation.axes]",
-            ),
-            _ => (
-                axis_key(axis, ".ids"),
-                format!(
-                    "`ids` names {} axes for {axis}, the volumetric compensation takes one",
-                    names.len()
-                ),
-                "name the master: the control gives the slaves of a gantry what it gets",
-            ),
+            0 => ("machine.axes".to_string(), refused::needs_all_axes(axis.key())),
+            count => (axis_key(axis, ".ids"), refused::takes_one_axis(count, axis)),
         };
-        problems.push(task.job.problem_at(&key, message).help(help));
+        problems.push(task.job.source.at(&key, wrong));
     }
     let number = |axis: Axis| plan.names[axis].first()?.parse().ok();
     problems.or_ok(PerAxis::from_fn(number))

@@ -21,6 +21,7 @@ use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
+use crate::write::refused;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use std::collections::BTreeMap;
@@ -45,7 +46,7 @@ impl Family for LinuxcncFacts {
     }
 
     fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        (!self.has(Mechanism::Hal)).then_some(TableStock {
+        (self.cross_terms.value != CrossTerms::Hal).then_some(TableStock {
             resource: "tables for cross terms (COMP_FILE corrects its own joint only)",
             key: "terms",
             ..TableStock::default()
@@ -69,10 +70,6 @@ impl Family for LinuxcncFacts {
         Ok(Compiled { preconditions: preconditions(task, tables_of(&compiled.tables)), ..compiled })
     }
 
-    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        listed::uses([Mechanism::Comp, Mechanism::Hal], mechanism, tables)
-    }
-
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let unit = emitted.task.job.compensation.control_unit;
         let tables = tables_of(emitted.tables);
@@ -87,17 +84,16 @@ impl Family for LinuxcncFacts {
         joints.chain(self.corrections(&cross, state)).collect()
     }
 
-    fn has(&self, mechanism: Mechanism) -> bool {
-        mechanism != Mechanism::Hal || self.cross_terms.value == CrossTerms::Hal
-    }
-
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_cross() == (mechanism == Mechanism::Hal)
+        match mechanism {
+            Mechanism::Comp => table.term.is_positioning(),
+            Mechanism::Hal => table.term.is_cross(),
+            _ => true,
+        }
     }
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        let is_own = |planned: &PlannedTable| self.belongs(proof.mechanism, planned);
-        let mut tables = listed::proof_tables(self, proof, is_own);
+        let mut tables = listed::proof_tables(self, proof);
         self.pad(&mut tables);
         Some(tables)
     }
@@ -287,14 +283,8 @@ impl LinuxcncFacts {
         if curves <= most {
             return Ok(());
         }
-        let message = format!(
-            "the HAL file would have {curves} curves of {} points, more than the {most} that the memory of HAL holds",
-            self.curve_points.value
-        );
-        Err(task
-            .job
-            .problem_at("compensation.axes", message)
-            .help("use a larger spacing, or `points`, or `max_residual_um`, or list fewer `terms`"))
+        let wrong = refused::many_curves(curves, self.curve_points.value, most);
+        Err(task.job.source.at("compensation.axes", wrong))
     }
 
     /// `nonius-1-correction: -0.018 mm with joint 0 at 900 mm …`, where each table holds most.

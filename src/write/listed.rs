@@ -4,13 +4,16 @@
 //! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
 //!   never adds up.
 
-use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
+use crate::control::controller::{Form, Listed, Order, Outside, Rounding, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
 use crate::write::control_text::fixed;
-use crate::write::family::{Compiled, Placement, ProofOf, backlash_text, column, control_state};
-use crate::write::task::{Plan, PlannedTable, Task};
+use crate::write::family::{
+    Compiled, Family, Placement, ProofOf, backlash_text, column, control_state,
+};
+use crate::write::refused;
+use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// A plan in the numbers of a control, without preconditions and notes.
 pub(super) fn compile(
@@ -60,22 +63,9 @@ pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable)
     }
 }
 
-/// Whether a kit uses the mechanism of tables of axes for themselves, or that of tables that follow another axis.
-pub(super) fn uses([own, cross]: [Mechanism; 2], mechanism: Mechanism, tables: &Tables) -> bool {
-    let mut tables = tables.own::<ListedTables>().tables.iter();
-    match mechanism {
-        it if it == own => tables.any(ListedTable::is_own),
-        it if it == cross => tables.any(|table| !table.is_own()),
-        _ => true,
-    }
-}
-
 /// The tables of one mechanism; both columns of those of the term have the bump.
-pub(super) fn proof_tables(
-    own: &impl Listed,
-    proof: &ProofOf<'_>,
-    belongs: impl Fn(&PlannedTable) -> bool,
-) -> Tables {
+pub(super) fn proof_tables<F: Listed + Family>(own: &F, proof: &ProofOf<'_>) -> Tables {
+    let belongs = |planned: &PlannedTable| own.belongs(proof.mechanism, planned);
     let form = |planned: &PlannedTable| form_of(own, proof.task, planned);
     let bump = |planned: &PlannedTable, _| {
         proof.deviations(planned.term == proof.term, planned.values.len())
@@ -172,15 +162,8 @@ fn check(own: &impl Listed, task: Task<'_>, tables: &[ListedTable]) -> Result<()
         let largest = numbers.flatten().fold(0.0_f64, |most, number| most.max(number.abs()));
         if largest > most {
             let largest = fixed(largest, form.decimals());
-            let message = format!(
-                "the {} would hold {largest}, the control takes {most} at most",
-                own.table_name(table)
-            );
-            let problem = task.job.problem_at("compensation.axes", message);
-            problems.push(
-                problem
-                    .help("`largest_value` of the profile; with increments use a smaller spacing"),
-            );
+            let wrong = refused::large_value(own.table_name(table), largest, most);
+            problems.push(task.job.source.at("compensation.axes", wrong));
         }
     }
     problems.or_ok(())
@@ -207,13 +190,8 @@ fn check_ends(
         let Some(planned) = plan.tables.iter().find(is_short) else {
             continue;
         };
-        let key = format!("compensation.axes.{}", axis.key());
-        let why = form(planned).outside.why();
-        let message = format!("the table of axis {axis} ends inside the travel, and {why}");
-        let problem = task.job.problem_at(&key, message);
-        problems.push(
-            problem.help("leave out `start_mm` and `end_mm`: the table then covers the travel"),
-        );
+        let wrong = refused::ends_inside(axis, form(planned).outside.why());
+        problems.push(task.job.source.at(&axis_key(axis, ""), wrong));
     }
     problems.or_ok(())
 }

@@ -12,6 +12,7 @@ pub mod fanuc;
 mod isg;
 mod linuxcnc;
 mod listed;
+mod refused;
 pub mod siemens;
 
 pub mod compensation;

@@ -10,11 +10,12 @@ mod grids;
 use crate::control::controller::Profile;
 use crate::inputs::error_table::Heading;
 use crate::inputs::job::{BacklashPolicy, Job, Limits};
-use crate::quantity::{Axis, Deviation, ErrorTerm, PerAxis, UM_PER_MM};
+use crate::quantity::{Deviation, ErrorTerm, PerAxis, UM_PER_MM};
 use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped, joined};
 use crate::write::control_text::trimmed;
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
+use crate::write::refused;
 use crate::write::selection::{self, Choice, Cost, TableStock};
 use crate::write::target::{self, Omission, Target, TermTargets};
 use crate::write::task::axis_key;
@@ -53,7 +54,6 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let mut plan = Plan {
         tables: Vec::new(),
         grids,
-        default_names: default_names(task, &names),
         names,
         backlash_um: backlash(task, &targets),
         omitted,
@@ -89,13 +89,8 @@ fn apply(
 /// Nothing is left to put into files.
 fn no_table(task: Task<'_>, omitted: &[Omission]) -> Problem {
     let reasons = omitted.iter().map(|own| format!("{}: {}", own.term, own.reason));
-    let words = format!(
-        "no measured term gets a table on {}, so there is nothing to write ({})",
-        task.profile.name,
-        reasons.collect::<Vec<_>>().join(" · ")
-    );
-    let problem = task.job.problem_at("compensation.controller", words);
-    problem.help("free tables on the control, or compensate terms that need none of them")
+    let reasons = reasons.collect::<Vec<_>>().join(" · ");
+    task.job.source.at("compensation.controller", refused::no_table(&task.profile.name, reasons))
 }
 
 /// Cost of each term in tables the control has few of, and how many it has.
@@ -124,15 +119,8 @@ fn costs(
 /// `first_table` or `first_set` names one that the control does not have.
 fn none_left(task: Task<'_>, budget: TableStock) -> Problem {
     let TableStock { tables, resource, key, .. } = budget;
-    task.job
-        .problem_at(
-            &format!("compensation.{key}"),
-            format!(
-                "`{key}` lies behind the {tables} {resource} of {}, expected a smaller number",
-                task.profile.name
-            ),
-        )
-        .help("give the number of the first one that is free on the control")
+    let wrong = refused::none_left(key, tables, resource, &task.profile.name);
+    task.job.source.at(&format!("compensation.{key}"), wrong)
 }
 
 fn tables(
@@ -162,8 +150,6 @@ fn tables(
     tables
 }
 
-const FEWER_POINTS: &str = "use a larger spacing, or `points`, or `max_residual_um`";
-
 /// Told once for each moving axis; and so many points together that no memory would be enough, whatever the
 /// control takes.
 fn refuse_too_many_points(
@@ -179,9 +165,8 @@ fn refuse_too_many_points(
         let along = targets.iter().filter(|target| target.term.along == axis);
         let mut limits = along.map(|target| point_limit(task.profile, &[target]));
         if let Some((most, holder)) = limits.find(|(most, _)| count > *most as usize) {
-            let words =
-                format!("axis {axis} would have {count} points, more than the {most} of {holder}");
-            problems.push(task.job.problem_at(&axis_key(axis, ""), words).help(FEWER_POINTS));
+            let wrong = refused::many_points(axis, count, most, holder);
+            problems.push(task.job.source.at(&axis_key(axis, ""), wrong));
         }
     }
     let points_of = |target: &Target| {
@@ -190,9 +175,8 @@ fn refuse_too_many_points(
     };
     let points: usize = targets.iter().map(points_of).sum();
     if points > MOST_POINTS && problems.is_empty() {
-        let words =
-            format!("the tables would have {points} points, expected at most {MOST_POINTS}");
-        problems.push(task.job.problem_at("compensation.axes", words).help(FEWER_POINTS));
+        let wrong = refused::many_points_in_all(points, MOST_POINTS);
+        problems.push(task.job.source.at("compensation.axes", wrong));
     }
 }
 
@@ -233,9 +217,7 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
         if job.machine.axes[axis].is_none() {
             if !stated.is_empty() {
                 let path = axis_key(axis, "");
-                let words = format!("[{path}] names an axis that [machine] does not have");
-                let problem = job.problem_at(&path, words);
-                problems.push(problem.help("add it to [machine.axes], or take it out here"));
+                problems.push(job.source.at(&path, refused::no_such_axis(&path)));
             }
             Vec::new()
         } else if stated.is_empty() {
@@ -257,28 +239,17 @@ fn check_names(
     let mut seen: Vec<&String> = Vec::new();
     for (axis, of_axis) in names.iter() {
         for name in of_axis {
-            let at_id = |words: String| job.problem_at(&axis_key(axis, ".id"), words);
+            let at_id = |wrong| job.source.at(&axis_key(axis, ".id"), wrong);
             if let Some(expected) = family(profile).expected_name(axis, name) {
-                let words = format!("`{name}` is no axis of this control, expected {expected}");
                 let usual = &profile.axis_names.value[axis as usize];
-                let help = format!("write it as the control shows it, for instance `{usual}`");
-                problems.push(at_id(words).help(help));
+                problems.push(at_id(refused::no_axis_name(name, expected, usual)));
             }
             if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
-                let words =
-                    format!("`{name}` names two axes, expected a name of its own for {axis}");
-                problems.push(at_id(words).help("correct `id` or `ids`"));
+                problems.push(at_id(refused::two_axes(name, axis)));
             }
             seen.push(name);
         }
     }
-}
-
-fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
-    let is_default = |axis: &Axis| {
-        !names[*axis].is_empty() && task.settings(*axis).is_none_or(|s| s.ids.is_empty())
-    };
-    Axis::ALL.into_iter().filter(is_default).collect()
 }
 
 // Corrections and slopes against `[limits]` of the job.
@@ -329,18 +300,15 @@ fn check_limits(task: Task<'_>, tables: &[PlannedTable], problems: &mut Problems
         extents.filter(|(_, extent)| !extent.keeps(limits, 1.0)).collect();
     let no_machine = |(_, extent): &&(_, Extent)| extent.largest_um() > NO_MACHINE_UM;
     let is_likely = beyond.iter().any(|each| no_machine(&each));
-    let mut slipped: Vec<(&Heading, &PlannedTable, &Extent)> = Vec::new();
+    let mut slipped: Vec<(&String, (&Heading, &Extent))> = Vec::new();
     for (table, extent) in &beyond {
         match heading(task, table, extent).filter(|_| is_likely) {
-            Some(heading) => slipped.push((heading, table, extent)),
+            Some(heading) => slipped.push((&heading.place.file, (heading, extent))),
             None => check_table(task, table, extent, problems),
         }
     }
-    while let Some((first, ..)) = slipped.first() {
-        let file = first.place.file.clone();
-        let (own, others) = slipped.into_iter().partition(|s| s.0.place.file == file);
+    for (_, own) in grouped(slipped) {
         problems.push(unit_slip(limits, own));
-        slipped = others;
     }
 }
 
@@ -352,28 +320,21 @@ fn heading<'a>(task: Task<'a>, table: &PlannedTable, extent: &Extent) -> Option<
 }
 
 /// One sentence for all columns of a file.
-fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &PlannedTable, &Extent)>) -> Problem {
-    let mut headings: Vec<&Heading> = slipped.iter().map(|(heading, ..)| *heading).collect();
+fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &Extent)>) -> Problem {
+    let mut headings: Vec<&Heading> = slipped.iter().map(|(heading, _)| *heading).collect();
     headings.sort_by_key(|heading| heading.place.column);
     headings.dedup_by_key(|heading| heading.place.column);
     let names = |name: &dyn Fn(&Heading) -> String| {
         joined(headings.iter().map(|heading| format!("`{}`", name(heading))))
     };
     let largest = |a: &f64, b: &f64| a.total_cmp(b);
-    let corrections = slipped.iter().map(|(_, _, e)| e.largest_um());
-    let slopes = slipped.iter().map(|(_, _, e)| e.steepest.1);
+    let corrections = slipped.iter().map(|(_, e)| e.largest_um());
+    let slopes = slipped.iter().map(|(_, e)| e.steepest.1);
     let (um, slope) =
         (corrections.max_by(largest).unwrap_or(0.0), slopes.max_by(largest).unwrap_or(0.0));
-    let message = format!(
-        "{} would need corrections of up to {um:.1} µm and {slope:.3} µm/mm, the limits are {} µm and {} µm/mm; read as µm the same numbers keep them",
-        names(&|heading| heading.name.clone()),
-        limits.max_correction_um,
-        limits.max_slope_um_per_mm
-    );
-    let mut problem = Problem::new(message).help(format!(
-        "if the numbers are micrometres, rename to {}; else raise `max_correction_um` and `max_slope_um_per_mm` in [limits]",
-        names(&Heading::in_micrometres)
-    ));
+    let Limits { max_correction_um: most_um, max_slope_um_per_mm: steepest, .. } = limits;
+    let (own, in_um) = (names(&|own| own.name.clone()), names(&Heading::in_micrometres));
+    let mut problem = refused::slip_of_unit(own, um, slope, most_um, steepest, in_um);
     problem.place = headings.first().map(|first| first.place.clone());
     problem
 }
@@ -382,11 +343,10 @@ fn check_table(task: Task<'_>, table: &PlannedTable, extent: &Extent, problems: 
     let limits = task.job.limits;
     // A limit that is not stated has no line of its own.
     let section = axis_key(table.term.along, "");
-    let at_limit = |key: &str, message: String| {
+    let at_limit = |key: &str, wrong| {
         let path = format!("limits.{key}");
         let stated = task.job.source.place_of(&path).is_some();
-        let path = if stated { &path } else { &section };
-        task.job.problem_at(path, message)
+        task.job.source.at(if stated { &path } else { &section }, wrong)
     };
     let place = |index: usize| {
         let grid = &table.grid;
@@ -395,25 +355,18 @@ fn check_table(task: Task<'_>, table: &PlannedTable, extent: &Extent, problems: 
     };
     let (index, value) = extent.largest;
     if extent.largest_um() > limits.max_correction_um {
-        let help = if extent.largest_um() > NO_MACHINE_UM {
-            "is the unit of the column right? else raise `max_correction_um` in [limits]"
-        } else {
-            "check the measurement; else raise `max_correction_um` in [limits]"
+        let first = match extent.largest_um() > NO_MACHINE_UM {
+            true => "is the unit of the column right?",
+            false => "check the measurement;",
         };
-        let message = format!(
-            "{} would need a correction of {:.1} µm at {} mm, the limit is {} µm",
-            table.term,
-            (-value).um(),
-            place(index),
-            limits.max_correction_um
-        );
-        problems.push(at_limit("max_correction_um", message).help(help));
+        let (um, most_um) = ((-value).um(), limits.max_correction_um);
+        let wrong = refused::large_correction(table.term, um, place(index), most_um, first);
+        problems.push(at_limit("max_correction_um", wrong));
     }
     let (index, slope) = extent.steepest;
     if slope > limits.max_slope_um_per_mm {
-        problems.push(
-            at_limit("max_slope_um_per_mm", format!("{} would change by {slope:.3} µm/mm between {} and {} mm, the limit is {} µm/mm", table.term, place(index), place(index + 1), limits.max_slope_um_per_mm))
-                .help("check the unit and the measurement there; else raise `max_slope_um_per_mm` in [limits]"),
-        );
+        let (from, to, most) = (place(index), place(index + 1), limits.max_slope_um_per_mm);
+        let wrong = refused::large_slope(table.term, slope, from, to, most);
+        problems.push(at_limit("max_slope_um_per_mm", wrong));
     }
 }

@@ -23,12 +23,13 @@ pub use self::run::{
 use crate::control::controller::{ControlUnit, KitFile};
 use crate::inputs::job::{Job, ProgramRequest, Reflector, RunType, TargetGrid};
 use crate::quantity::{Axis, Direction, LaserPath, Pass, PerAxis};
-use crate::text::{Finding, Problem, Problems, findings, shown, words};
+use crate::text::{Finding, Problems, findings, shown, words};
 use crate::write::control_text::{
     COMMENT_TEXT, Seen, ascii, fixed, is_comment_text, seen, trimmed,
 };
 use crate::write::emit::{TOOL, bytes_of, comment_texts, engine_context, refused_texts, text};
 use crate::write::grid::LengthDigit;
+use crate::write::refused;
 
 /// The last digit of a position on most controls.
 const MICROMETRE: LengthDigit = LengthDigit { unit: ControlUnit::Millimetre, decimals: 3 };
@@ -144,8 +145,7 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
         &profile_name,
     ]);
     for text in of_profile.filter(|text| !is_comment_text(text)) {
-        let message = format!("the profile's text `{}` cannot stand in a program", shown(text));
-        problems.push(Problem::new(message).help(format!("expected {COMMENT_TEXT}")));
+        problems.push(refused::text_of_profile(shown(text), COMMENT_TEXT));
     }
     problems.or_ok(())
 }

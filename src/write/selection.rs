@@ -105,8 +105,6 @@ pub struct Choice {
     pub omitted: Vec<Omission>,
     /// Terms that get the mean of both directions instead of two tables, and why.
     pub reduced: Vec<(ErrorTerm, TableFinding)>,
-    /// Largest error vector in the measured volume that the chosen tables leave, µm.
-    pub left_um: f64,
 }
 
 /// What a term gets; in the order of what it costs.
@@ -119,10 +117,10 @@ enum Form {
 
 impl Cost {
     /// What the term can get. A mean that costs nothing is always taken rather than nothing.
-    fn forms(&self) -> Vec<(Form, u32)> {
-        let nothing = (self.mean_tables != Some(0)).then_some((Form::Nothing, 0));
-        let mean = self.mean_tables.map(|tables| (Form::Mean, tables));
-        [nothing, mean, Some((Form::Whole, self.tables))].into_iter().flatten().collect()
+    fn forms(&self) -> impl Iterator<Item = Form> + use<> {
+        let nothing = (self.mean_tables != Some(0)).then_some(Form::Nothing);
+        let mean = self.mean_tables.map(|_| Form::Mean);
+        [nothing, mean, Some(Form::Whole)].into_iter().flatten()
     }
 
     fn of_form(&self, form: Form) -> u32 {
@@ -176,15 +174,15 @@ fn maximal(costs: &[Cost], stock: &TableStock) -> Vec<Vec<Form>> {
     for cost in costs {
         let longer = |forms: &Vec<Form>| {
             let forms = forms.clone();
-            let with = move |(form, _)| forms.iter().copied().chain([form]).collect();
-            cost.forms().into_iter().map(with).filter(|forms: &Vec<Form>| stock.holds(costs, forms))
+            let with = move |form| [&forms[..], &[form]].concat();
+            cost.forms().map(with).filter(|forms: &Vec<Form>| stock.holds(costs, forms))
         };
         combinations = combinations.iter().flat_map(longer).collect();
     }
     let can_get_more = |forms: &Vec<Form>| {
         let more = |(index, cost): (usize, &Cost)| {
             let mut fuller = forms.clone();
-            cost.forms().into_iter().any(|(form, _)| {
+            cost.forms().any(|form| {
                 fuller[index] = form;
                 form > forms[index] && stock.holds(costs, &fuller)
             })
@@ -208,7 +206,7 @@ struct Parts<'a> {
 impl Parts<'_> {
     fn explain(&self, forms: &[Form], left_um: f64, budget: TableStock) -> Choice {
         let shortage = budget.words(self.costs.iter().map(|cost| cost.tables).sum());
-        let mut choice = Choice { omitted: Vec::new(), reduced: Vec::new(), left_um };
+        let mut choice = Choice { omitted: Vec::new(), reduced: Vec::new() };
         for (index, (cost, form)) in self.costs.iter().zip(forms).enumerate() {
             let mut fuller = forms.to_vec();
             fuller[index] = Form::Whole;

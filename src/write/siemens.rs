@@ -12,7 +12,7 @@ pub(crate) use self::parameters::encoder;
 use self::parameters::{
     assumptions, at_reference, backlash_text, is_lec, largest_sum_um, preconditions,
 };
-use crate::control::control_state::ControlState;
+use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::{
@@ -24,6 +24,7 @@ use crate::text::Problems;
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
 use crate::write::grid::LengthDigit;
+use crate::write::refused;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 
@@ -107,16 +108,6 @@ impl Family for SiemensFacts {
         })
     }
 
-    fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        let tables: &SiemensTables = tables.own();
-        match mechanism {
-            Mechanism::EncComp => tables.lec().next().is_some(),
-            Mechanism::Cec => tables.cec().next().is_some(),
-            Mechanism::CecProducts => tables.tables.iter().any(|table| table.multiply_by != 0),
-            _ => true,
-        }
-    }
-
     fn context(&self, emitted: &Emitted<'_>) -> Seen {
         let tables: &SiemensTables = emitted.tables.own();
         let Emitted { task, compiled, placements, as_read, .. } = *emitted;
@@ -140,7 +131,11 @@ impl Family for SiemensFacts {
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        is_lec(table) == (mechanism == Mechanism::EncComp)
+        match mechanism {
+            Mechanism::EncComp => is_lec(table),
+            Mechanism::Cec => !is_lec(table),
+            mechanism => mechanism != Mechanism::CecProducts,
+        }
     }
 
     fn cut_off_um(&self, _task: Task<'_>, table: &PlannedTable) -> f64 {
@@ -182,7 +177,7 @@ fn shown(state: &ControlState, table: &SiemensTable) -> String {
     // The last point may lie behind the end of the travel: the axis cannot go there.
     let mm = |index: usize| grid.position(index) * state.unit.in_mm();
     let is_reached = |index: usize| {
-        state.axis(base).map(|own| own.travel).is_none_or(|(low, high)| {
+        state.axis(base).map(AxisState::travel).is_none_or(|[low, high]| {
             (low.mm() - ROUNDING_MM..=high.mm() + ROUNDING_MM).contains(&mm(index))
         })
     };
@@ -220,11 +215,7 @@ fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Re
     if sum <= limit {
         return Ok(());
     }
-    let words = format!(
-        "CEC corrections may add up to {sum:.0} µm, more than the {limit} µm at which the control cuts off (MD32720)"
-    );
-    let help = "check the measurement; a control with another MD32720 needs a profile with its own `cec_max_sum_um`";
-    Err(task.job.problem_at("compensation.controller", words).help(help).into())
+    Err(task.job.source.at("compensation.controller", refused::cut_off(sum, limit)).into())
 }
 
 // What Siemens templates see: `lec`, `cec`, and the switches of both.

@@ -34,7 +34,7 @@ pub struct SignProofs {
 pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProofs {
     let mut found = SignProofs::default();
     let family = family(task.profile);
-    for of in task.profile.family.proofs.iter().filter(|of| family.has(of.mechanism)) {
+    for of in task.profile.family.proofs {
         let mechanism = of.mechanism;
         let is_own = |t: &&PlannedTable| family.belongs(mechanism, t);
         let planned: Vec<&PlannedTable> = plan.tables.iter().filter(is_own).collect();

@@ -7,6 +7,7 @@ use crate::machine::model::{Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm};
 use crate::text::{Problem, Problems, joined};
 use crate::write::family::family;
+use crate::write::refused;
 use crate::write::task::Task;
 
 /// The targets of all wanted terms, and the terms that are not wanted or not determined.
@@ -51,9 +52,7 @@ fn check_wanted(task: Task<'_>, problems: &mut Problems) {
         return;
     };
     for term in terms.iter().filter(|term| task.model.terms[**term].is_none()) {
-        let words = format!("`terms` asks for {term}, which was not measured");
-        let problem = task.job.problem_at("compensation.terms", words);
-        problems.push(problem.help("remove it, or measure it"));
+        problems.push(task.job.source.at("compensation.terms", refused::term_not_measured(term)));
     }
 }
 
@@ -68,12 +67,8 @@ fn check_policy(task: Task<'_>, problems: &mut Problems) {
     let policies = &task.job.compensation.backlash;
     let is_open = |axis: &Axis| policies[*axis].is_none() && both_ways(axis);
     if Axis::ALL.iter().any(is_open) {
-        let words = format!(
-            "the errors {} in both directions, but `backlash` is not stated; there is no default",
-            known_how(task.job)
-        );
-        let help = "write `backlash = \"mean\"`, \"two-tables\", \"forward-only\" or \"curve-and-parameter\"";
-        problems.push(task.job.problem_at("compensation", words).help(help));
+        let wrong = refused::no_policy(known_how(task.job));
+        problems.push(task.job.source.at("compensation", wrong));
     }
     check_directions(task, problems);
 }
@@ -95,18 +90,16 @@ fn check_directions(task: Task<'_>, problems: &mut Problems) {
             continue;
         };
         let (key, word) = (axis.key(), policy.word());
-        let problem = if for_all {
-            job.problem_at("compensation.backlash", format!("`backlash = \"{word}\"` needs errors measured in both directions"))
-                .help("give the error table a `direction` column with `+` and `-` rows, or leave `backlash` out")
+        problems.push(if for_all {
+            job.source.at("compensation.backlash", refused::no_directions(word))
         } else {
             let found = match along(task, axis).next() {
                 Some(_) => "those of the job have no direction",
                 None => "the job compensates none",
             };
-            job.problem_at(&format!("compensation.backlash.{key}"), format!("`{key} = \"{word}\"` of `backlash` needs errors along {axis} measured in both directions; {found}"))
-                .help(format!("give the error table rows of {axis} with `+` and `-` in `direction`, or take `{key}` out of `backlash`"))
-        };
-        problems.push(problem);
+            let wrong = refused::no_directions_along(key, word, axis, found);
+            job.source.at(&format!("compensation.backlash.{key}"), wrong)
+        });
     }
 }
 
@@ -159,12 +152,8 @@ fn one_way_problem(
         }
         (_, Direction::Minus) => "measure both directions, or leave `backlash` out",
     };
-    let message = format!(
-        "`backlash = \"{}\"` {needs}, but axis {axis} was measured in {direction} only ({})",
-        policy.word(),
-        joined(terms)
-    );
-    job.problem_at("compensation.backlash", message).help(help)
+    let wrong = refused::one_way(policy.word(), needs, axis, direction, joined(terms), help);
+    job.source.at("compensation.backlash", wrong)
 }
 
 fn term_targets(
@@ -221,8 +210,7 @@ fn both_ways(
             Ok(TermTargets { term, targets, mean, note })
         }
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
-            let none =
-                || Problem::new(format!("the two directions of {term} have no common range"));
+            let none = || refused::no_common_range(term);
             let has_two = policy == BacklashPolicy::TwoTables;
             let note = has_two.then(|| match equal {
                 true => "both directions are equal, so one table is written".to_string(),

@@ -131,8 +131,6 @@ pub struct Plan {
     pub grids: PerAxis<Option<Grid>>,
     /// The control's names of the physical axes.
     pub names: PerAxis<Vec<String>>,
-    /// Axes whose names are the profile's default.
-    pub default_names: Vec<Axis>,
     /// Value of the backlash parameter (−B) of each axis, µm, where the policy names one.
     pub backlash_um: PerAxis<Option<f64>>,
     /// Terms that get no table: not wanted, not determined, or beyond what the control holds.

@@ -12,6 +12,7 @@ use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated
 use super::family::{Family, Proof};
 use super::form::{Form, Listed, Order, Rounding, Size, ValueForm};
 use super::pattern::{Field, Pattern};
+use crate::control::refused;
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::{Axis, ErrorTerm, UM_PER_MM};
 use crate::text::{LengthUnit, Section, section, words};
@@ -74,12 +75,7 @@ impl Stated for Vec<Factor> {
         let own = own.map(|(name, term)| Some(Factor { name, term: ErrorTerm::from_name(&term)? }));
         let factors: Option<Vec<Factor>> = own.collect();
         if factors.as_ref().is_none_or(Vec::is_empty) {
-            let help = "for instance { xy_skew = \"EXY\", yz_skew = \"EYZ\" }";
-            fact.problem(
-                "value",
-                "factors are names with the terms whose slopes they take off",
-                help,
-            );
+            fact.refuse("value", refused::no_factors());
         }
         factors
     }
@@ -277,15 +273,11 @@ impl DeclaredFacts {
                 true => ": two columns of a table that follows another axis cannot be declared",
                 false => "",
             };
-            let message = format!("no pattern has the field `{}`{two}", field.word());
-            let help = format!("write `(?<{}>…)` where it stands in a line", field.word());
-            facts.section.problem("lines", message, help);
+            facts.section.refuse("lines", refused::no_field(field.word(), two));
         }
         let names_axes = self.has(Field::Axis) || self.has(Field::Output);
         if !names_axes && self.factors.is_none() {
-            let message = "no pattern has the field `axis`, so no table says whose it is";
-            let help = "`axis` in a line before the values, in each line, or in `file_name`";
-            facts.section.problem("lines", message, help);
+            facts.section.refuse("lines", refused::no_axis_field());
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A fact of a control, how sure it is, and how it is read from its page.
 
+use crate::control::refused;
 use crate::quantity::{Correction, Deviation};
 use crate::text::{Section, Word, words};
 use serde::Serialize;
@@ -389,7 +390,7 @@ impl Stated for Vec<NumberRange> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let pairs = fact.whole_pairs("value")?;
         if pairs.iter().any(|[first, last]| first > last) {
-            fact.problem("value", "a block ends before it begins", "write [first, last]");
+            fact.refuse("value", refused::ends_before());
         }
         let block = |[first, last]: [u32; 2]| NumberRange { first, last };
         Some(pairs.into_iter().map(block).collect())
@@ -444,8 +445,7 @@ impl<'a> Facts<'a> {
     /// Tells of a number beyond what the program can write or a control can mean.
     pub(super) fn expect(&self, name: &str, is_right: bool, expected: &str) {
         if !is_right {
-            let message = format!("`{name}` is out of range, expected {expected}");
-            self.section.problem(name, message, "check the number and its source");
+            self.section.refuse(name, refused::out_of_range(name, expected));
         }
     }
 

@@ -1,6 +1,6 @@
 //! FANUC: facts of the stored pitch error compensation and of straightness (docs/fanuc.md).
 
-use super::fact::{Fact, Facts, Mechanism, NumberRange, Outside, TableSign};
+use super::fact::{ControlUnit, Fact, Facts, Mechanism, NumberRange, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
@@ -122,6 +122,14 @@ section! {
 }
 
 impl FanucFacts {
+    /// Decimals of 3624 on a control with this basic system.
+    pub(crate) const fn interval_decimals(&self, unit: ControlUnit) -> u32 {
+        match unit {
+            ControlUnit::Millimetre => self.interval_decimals_mm.value,
+            ControlUnit::Inch => self.interval_decimals_inch.value,
+        }
+    }
+
     /// Whether a parameter holds the magnification or the first data number of a per-point set.
     pub(crate) fn is_of_per_point_set(&self, number: u32) -> bool {
         let firsts =

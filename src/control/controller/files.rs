@@ -1,6 +1,7 @@
 //! `[[files]]` of a profile: what a kit consists of.
 
 use crate::control::controller::fact::{Mechanism, Role, TableForm};
+use crate::control::refused;
 use crate::text::{Section, Word, section, shown};
 use std::borrow::Cow;
 
@@ -106,11 +107,7 @@ impl Templates<'_> {
         let is_own = root.begins_at(key).is_none_or(|at| at < self.own_end);
         let text = (self.find)(&name, is_own);
         if text.is_none() {
-            section.problem(
-                "template",
-                format!("there is no template `{}`", shown(&name)),
-                "put it beside the profile, or name a built-in one (docs/own-control.md §3)",
-            );
+            section.refuse("template", refused::no_template(shown(&name)));
         }
         Some(Template { name, text: text? })
     }
@@ -124,11 +121,7 @@ pub(super) fn files(
 ) -> Option<Vec<EmittedFile>> {
     let sections = root.sections("files");
     if sections.is_empty() {
-        root.problem(
-            "files",
-            "there is no section [[files]], expected one for each file",
-            "add `[[files]]` with role, path and template",
-        );
+        root.refuse("files", refused::no_files());
         return None;
     }
     let mut files: Vec<EmittedFile> = Vec::new();
@@ -138,11 +131,7 @@ pub(super) fn files(
         match file(root, section, templates) {
             Some(file) if of_form.is_none() || of_form == form.as_deref() => {
                 if files.iter().any(|o| o.path.eq_ignore_ascii_case(&file.path)) {
-                    section.problem(
-                        "path",
-                        format!("two files are called `{}`", shown(&file.path)),
-                        "give each file a name of its own, in capitals or not",
-                    );
+                    section.refuse("path", refused::twice(shown(&file.path)));
                 }
                 files.push(file);
             }
@@ -150,11 +139,7 @@ pub(super) fn files(
         }
     }
     if are_whole && !files.iter().any(|file| file.role == Role::Table) {
-        root.problem(
-            "files",
-            "no file has the role `table`, expected at least one",
-            "add a file with `role = \"table\"`",
-        );
+        root.refuse("files", refused::no_table());
     }
     are_whole.then_some(files)
 }
@@ -168,11 +153,7 @@ fn file(
     section.refuse_unknown_keys();
     let file = file?;
     if !is_plain_file_name(&each_plain(section, &file)) {
-        section.problem(
-            "path",
-            format!("`{}` is no file name that every control and laptop takes", shown(&file.path)),
-            "use letters, digits, `_`, `-` and `.`; `manifest.json` is taken",
-        );
+        section.refuse("path", refused::no_file_name(shown(&file.path)));
     }
     Some(file)
 }
@@ -185,22 +166,14 @@ fn mechanism(
 ) -> Option<Mechanism> {
     let fits = |role| section.has(key) == (role == Role::SignProof);
     if !role.is_none_or(fits) {
-        section.problem(
-            "role",
-            "`mechanism` belongs to files of the role `sign-proof`, and to each of them",
-            "for instance `role = \"sign-proof\"` with `mechanism = \"cec\"`",
-        );
+        section.refuse("role", refused::mechanism_of_proof());
     }
     section.choice(key, proved)
 }
 
 fn loaded(section: &Section<'_>, key: &'static str, role: Option<Role>) -> Option<bool> {
     if section.has(key) && role.is_some_and(|role| role != Role::Report) {
-        section.problem(
-            key,
-            "`loaded` belongs to files of the role `report`",
-            "leave it out; docs/own-control.md §3 says what each role means",
-        );
+        section.refuse(key, refused::loaded_of_report());
     }
     section.flag(key)
 }
@@ -209,11 +182,7 @@ fn loaded(section: &Section<'_>, key: &'static str, role: Option<Role>) -> Optio
 fn each_plain(section: &Section<'_>, file: &EmittedFile) -> String {
     let plain = file.path.replacen('{', "", 1).replacen('}', "", 1);
     if (plain.len() + 2 == file.path.len()) != file.each.is_some() {
-        section.problem(
-            "path",
-            "`each` and one field of its items in braces belong together",
-            "for instance `each = \"joints\"` with `path = \"joint-{number}.comp\"`",
-        );
+        section.refuse("path", refused::each_without_field());
     }
     plain
 }

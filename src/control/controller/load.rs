@@ -16,6 +16,7 @@ use crate::control::controller::{
     JobKey, LineEnd, LinuxcncFacts, ProfileSource, SiemensFacts, Statement, Typed, declared, fanuc,
     isg, linuxcnc, siemens,
 };
+use crate::control::refused;
 use crate::quantity::{Direction, Millimetres};
 use crate::text::{Problems, Section, Source, Word, read_page, refuse_large_page, section, shown};
 use toml::de::{DeArray, DeTable, DeValue};
@@ -195,11 +196,7 @@ fn read_profile(
     templates: Templates<'_>,
 ) -> Option<Profile> {
     if root.whole("schema") != Some(1) {
-        root.problem(
-            "schema",
-            "a profile needs `schema = 1`",
-            "write `schema = 1` in its first line",
-        );
+        root.refuse("schema", refused::no_schema());
     }
     let id = root.required_text("id", "a short name such as `fanuc-30i`")?;
     let name = root.required_text("name", "maker and model")?;
@@ -208,8 +205,7 @@ fn read_profile(
     let states = |key| facts.begins_at(key).is_some(); // which is no fact of other controls
     let has_both = states("factors") && (states("own_sign") || states("file_name"));
     if has_both {
-        let words = "factors stand in place of tables with points, of which there are facts too: one excludes the other";
-        facts.problem("factors", words, "leave them out, or build the profile on `klipper-skew`");
+        facts.refuse("factors", refused::factors_and_points());
     }
     if family.is_none() || has_both {
         root.ask_no_more(); // what else there is depends on it
@@ -223,20 +219,12 @@ fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
         return Some(());
     };
     let Some(base) = below.last() else {
-        root.problem(
-            "based_on",
-            format!("`based_on` names `{}`, expected the id of a built-in profile", shown(&id)),
-            "`nonius controllers list` shows them",
-        );
+        root.refuse("based_on", refused::base_not_built_in(shown(&id)));
         return None;
     };
     let (own, base) = (root.text("dialect")?, text_of(base, "dialect")?);
     if own != base {
-        root.problem(
-            "dialect",
-            format!("`dialect` is `{}`, but the profile it builds on speaks `{base}`", shown(&own)),
-            "remove `dialect`, or build on another profile",
-        );
+        root.refuse("dialect", refused::other_dialect(shown(&own), base));
         return None;
     }
     Some(())
@@ -272,20 +260,12 @@ fn axis_names(facts: &Facts<'_>) -> Option<Fact<Vec<String>>> {
     let stated = facts.stated::<Vec<String>>("axis_names")?;
     let (fact, names) = (facts.section.section("axis_names")?, &stated.value);
     if names.len() != 3 {
-        fact.problem(
-            "value",
-            format!("`axis_names` has {} names, expected three", names.len()),
-            "name the axes X, Y and Z of the machine, in this order",
-        );
+        fact.refuse("value", refused::not_three_names(names.len()));
     }
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let other = |name: &&String| name.is_empty() || !name.chars().all(plain);
     for name in names.iter().filter(other) {
-        fact.problem(
-            "value",
-            format!("`{}` is no axis name, expected letters, digits and `_`", shown(name)),
-            "write it as the control shows it, e.g. `AX1`",
-        );
+        fact.refuse("value", refused::no_axis_name(shown(name)));
     }
     Some(stated)
 }
@@ -385,21 +365,17 @@ impl Example {
     /// The control of the example, without its files.
     pub(crate) fn state(&self) -> ControlState {
         let axis = |own: &ExampleAxis| {
-            let [low, high] = own.travel_mm;
-            let reference = own.reference_mm;
-            let ends = [low, high].map(Millimetres::new);
-            let reach = [low.min(reference), high.max(reference)].map(Millimetres::new);
+            let reference = Millimetres::new(own.reference_mm);
             AxisState {
                 name: own.name.clone(),
-                reference: Millimetres::new(reference),
+                reference,
                 reference_direction: own.reference_direction,
                 detection_unit_um: own.detection_unit_um,
                 backlash_um: 0.0,
                 bidirectional: false,
                 interpolated: false,
-                travel: reach.into(),
-                ends: ends.into(),
-                rest: Millimetres::new(reference),
+                ends: own.travel_mm.map(Millimetres::new).into(),
+                rest: reference,
             }
         };
         ControlState { unit: self.unit, axes: self.axes.iter().map(axis).collect() }

@@ -3,6 +3,7 @@
 use crate::control::controller::fact::{ControlUnit, Fact, Facts, Statement};
 use crate::control::controller::family::LanguageFacts;
 use crate::control::controller::files::{Template, Templates};
+use crate::control::refused;
 use crate::text::{Section, Word, section, shown, words};
 
 words! {
@@ -101,11 +102,7 @@ fn language(section: &Section<'_>) -> Option<Language> {
 fn extension(section: &Section<'_>) -> String {
     let extension = section.text("extension").unwrap_or("NC".to_string());
     if extension.is_empty() || !extension.chars().all(|c| c.is_ascii_alphanumeric()) {
-        section.problem(
-            "extension",
-            "`extension` is no ending of a file, expected letters and digits",
-            "for instance `extension = \"MPF\"`",
-        );
+        section.refuse("extension", refused::no_extension());
     }
     extension
 }
@@ -115,11 +112,7 @@ const MOST_DECIMALS: u32 = 6;
 fn decimals(fact: &Section<'_>) -> Option<u32> {
     let decimals = fact.whole("value")?;
     if decimals > MOST_DECIMALS {
-        fact.problem(
-            "value",
-            format!("a position has {decimals} decimals, expected 0 … {MOST_DECIMALS}"),
-            "write the decimals that the control reads",
-        );
+        fact.refuse("value", refused::many_decimals(decimals, MOST_DECIMALS));
     }
     Some(decimals)
 }
@@ -130,11 +123,7 @@ fn dwell_words(fact: &Section<'_>, language: Option<Language>) -> Option<String>
     let text = fact.text("value")?;
     let (addresses, expected) = language?.facts().dwell;
     if !text.ends_with(addresses) {
-        fact.problem(
-            "value",
-            format!("`dwell` is `{}`, expected the word of a dwell and the address of its seconds: {expected}", shown(&text)),
-            "seconds with a decimal point are written behind it",
-        );
+        fact.refuse("value", refused::other_dwell(shown(&text), expected));
     }
     Some(text)
 }
@@ -144,11 +133,7 @@ fn three_letters(fact: &Section<'_>) -> Option<Vec<String>> {
     let letters = fact.texts("value")?;
     let plain = |text: &String| text.len() == 1 && text.chars().all(|c| "XYZUVWABC".contains(c));
     if letters.len() != 3 || !letters.iter().all(plain) {
-        fact.problem(
-            "value",
-            "`axis_letters` names the addresses of X, Y and Z, one letter each",
-            "for instance [\"X\", \"Y\", \"Z\"]",
-        );
+        fact.refuse("value", refused::no_letters());
     }
     Some(letters)
 }

@@ -83,12 +83,6 @@ impl MachineAxis {
     pub(crate) fn homing(&self) -> Direction {
         self.reference_direction.unwrap_or(Direction::Plus)
     }
-
-    /// Both ends of the travel, with the reference where it lies outside.
-    pub(crate) fn reach(&self) -> (Millimetres, Millimetres) {
-        let [low, high, reference] = [self.low, self.high, self.reference].map(Millimetres::mm);
-        (Millimetres::new(low.min(reference)), Millimetres::new(high.max(reference)))
-    }
 }
 
 /// No sign proof moves an axis by more, µm.

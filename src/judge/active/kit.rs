@@ -4,12 +4,13 @@
 //! listed file has to be the one that was made. The manifest's `state` says for which reference,
 //! unit and axes, and which backlash parameter was named; its `machine` for which machine.
 
-use super::reading::{ActiveControl, Origin, backlash_of, problem};
+use super::reading::{ActiveControl, Origin, at_key, backlash_of};
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{KitFile, Profile, Role};
 use crate::inputs::job::Job;
 use crate::judge::findings::{FileFault, InControl};
+use crate::judge::refused;
 use crate::quantity::PerAxis;
 use crate::read::read;
 use crate::text::{Finding, Problem, Problems, json_page, sha256, shown};
@@ -28,18 +29,14 @@ pub fn from_kit(
     manifest: &[u8],
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<ActiveControl, Problems> {
-    let document: Value = json_page(manifest).map_err(|error| {
-        let words = format!("`{path}/manifest.json` is damaged: {error}");
-        problem(job, words, "name the kit as it was made, or the files read out of the control")
-    })?;
+    let damaged = |error| at_key(job, refused::damaged_manifest(path, error));
+    let document: Value = json_page(manifest).map_err(damaged)?;
     let files = acting(job, path, &document, files)?;
     let mut problems = Problems::none();
     let (controller, state) = (word(&document["controller"]), &document["state"]);
     if controller != profile.id {
-        let (made, own) = (shown(controller), &profile.id);
-        let message =
-            format!("the active tables were made for the control `{made}`, the job is for `{own}`");
-        problems.push(problem(job, message, "name the kit that was loaded into this control"));
+        let wrong = refused::other_control(shown(controller), &profile.id);
+        problems.push(at_key(job, wrong));
     }
     let findings = check_machine(job, &document["machine"], &mut problems);
     let found = backlash(&axis_names(job, profile)?, state);
@@ -90,9 +87,7 @@ fn acting(
             FileFault::Missing { file } | FileFault::NoPlainName { file } => (file, "is missing"),
             FileFault::NotReadable { message } => (message, "cannot be read"),
         };
-        let words = format!("`{name}` of the kit `{path}` {what}, so what was active is not known");
-        let help = "name the kit as it was loaded, or the files read out of the control";
-        problems.push(problem(job, words, help));
+        problems.push(at_key(job, refused::other_file(name, path, what)));
     }
     let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
     let acting = listed(document).filter_map(|(name, entry)| {
@@ -171,15 +166,9 @@ fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Fin
         } else if same_serial {
             notes.push(InControl::SameSerial { key, kit: shown(kit), own }.into());
         } else {
-            let message = format!(
-                "the active tables were made for another machine: its {what} is `{}`, that of the job `{own}`",
-                shown(kit)
-            );
             let is_serial = key == "serial";
-            problems.push(problem(job, message, match is_serial {
-                true => "name the kit that was loaded into this machine",
-                false => "name the kit that was loaded into this machine; if it is the same machine, write `name` and `chain` as the manifest of the kit has them (the same `serial` in both would tell, too)",
-            }));
+            let help = if is_serial { refused::LOADED } else { refused::LOADED_OR_NAMED };
+            problems.push(at_key(job, refused::other_machine(what, shown(kit), own, help)));
             if is_serial {
                 break;
             }
@@ -207,22 +196,16 @@ fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Prob
     }
     let (unit, own_unit) = (word(&state["unit"]), own.unit.word());
     if unit != own_unit {
-        let words = format!("the active tables are in {}, the job in {own_unit}", shown(unit));
-        let help = "correct `control_unit`, or make the new tables in the unit of the old ones";
-        problems.push(problem(job, words, help));
+        problems.push(at_key(job, refused::other_unit(shown(unit), own_unit)));
     }
     for entry in items(&state["axes"]) {
         let name = word(&entry["name"]);
         let Some(axis) = own.axis(name) else {
-            let name = shown(name);
-            let words =
-                format!("the active tables are for an axis `{name}`, which the job does not have");
-            problems.push(problem(job, words, "compare `id` of [compensation.axes] with the kit"));
+            problems.push(at_key(job, refused::no_such_axis(shown(name))));
             continue;
         };
         for words in differences(axis, entry) {
-            let help = "correct the job; tables of another reference or unit cannot be added";
-            problems.push(problem(job, format!("axis {name}: {words}"), help));
+            problems.push(at_key(job, refused::other_axis(name, words)));
         }
     }
 }

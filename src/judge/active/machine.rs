@@ -8,12 +8,13 @@
 //! the steps themselves are taken off, between them the straight line through the nodes, which is
 //! what the steps stand for; at the nodes both are the same.
 
-use super::reading::{ActiveControl, KEY, Origin, axis_of, problem};
+use super::reading::{ActiveControl, KEY, Origin, at_key, axis_of};
 use crate::control::control_state::ControlState;
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
 use crate::judge::field::Pair;
 use crate::judge::findings::{InControl, InSum, joined};
+use crate::judge::refused;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{
     AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres,
@@ -83,16 +84,11 @@ fn angles_active(
         name.is_some_and(|name| control.rotation(name, rotation.about).is_some())
     };
     let rotation = Rotation::all().find(is_held)?;
-    let message = format!(
-        "the active tables hold angles ({rotation}): what they did at the levers cannot be added to the new ones"
-    );
-    let help = "measure with this compensation switched off, and write `active_while_measuring = \"none\"`";
-    Some(problem(job, message, help))
+    Some(at_key(job, refused::angles_active(rotation)))
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
-    let message = format!("what the active tables did cannot be determined: {}", reason.0);
-    problem(job, message, "name the complete files of the control as they were while measuring, or measure with the compensation switched off").into()
+    at_key(job, refused::not_determined(&reason.0)).into()
 }
 
 /// No table of the job's axes at all.
@@ -107,9 +103,7 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
         [] => "the files hold no correction at all".to_string(),
         some => some.join("; "),
     };
-    let message = format!("the active tables correct nothing of the job's axes: {found}");
-    let help = "compare `id` of [compensation.axes] with the names in the files; write \"none\" if no compensation was active";
-    problem(job, message, help)
+    at_key(job, refused::nothing_active(found))
 }
 
 /// Axes of which the new tables set the backlash parameter.
@@ -132,11 +126,7 @@ fn check_backlash(
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if sets(axis) && active.backlash_um[axis].is_none() {
-            let words = format!(
-                "the new tables replace the backlash parameter of {axis}, but no file holds the one that acted while measuring"
-            );
-            let help = "name a file that holds it, or state `active_backlash_um = { x = …, y = …, z = … }` in [measurement]";
-            problems.push(problem(job, words, help));
+            problems.push(at_key(job, refused::no_backlash(axis)));
         }
     }
     problems.or_ok(())
@@ -182,20 +172,12 @@ fn old_correction(
     }
     let all = pairs.iter().map(|(base, output)| Pair::of(control, base, output));
     let all: Vec<Pair> = all.collect::<Emulated<_>>().map_err(|reason| cannot(job, &reason))?;
-    let refuse = |message: String, help: &str| Err(problem(job, message, help).into());
     if let Some(index) = (1..all.len()).find(|index| differs(&all[0], &all[*index])) {
         let (first, other) = (pairs[0].1, pairs[index].1);
-        let message = format!(
-            "{term}: the active tables of {first} and {other} differ, and one table for both would lose the difference"
-        );
-        let help = "bring the axes of the gantry to the same table first, or measure with the compensation switched off";
-        return refuse(message, help);
+        return Err(at_key(job, refused::gantry_differs(term, first, other)).into());
     }
     if all.iter().flat_map(Pair::tables).any(|table| table.modulo) {
-        let message = format!(
-            "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
-        );
-        return refuse(message, "measure with this compensation switched off");
+        return Err(at_key(job, refused::repeats(term)).into());
     }
     Ok(all.into_iter().next().filter(acts))
 }
@@ -215,15 +197,12 @@ impl Sum<'_> {
         let zero = old.way(machine.homing()).correction(machine.reference);
         let settings = &self.job.measurement.active_settings;
         if zero.um().abs() > ZERO_UM && !settings.rezero {
-            problems.push(problem(
-                self.job,
-                format!("the active tables correct {term} by {:.3} µm at the reference {} mm, where tables are zero: they belong to another reference", zero.um(), machine.reference.mm()),
-                "correct `reference_mm`; if the control really held this value there, `active_reference = \"rezero\"` in [measurement] takes it off",
-            ));
+            let wrong = refused::not_zero(term, zero.um(), machine.reference.mm());
+            problems.push(at_key(self.job, wrong));
             return;
         }
         let refused = match (&self.model.terms[term], settings.not_measured) {
-            (None, None) => Some(not_measured(self.job, term)),
+            (None, None) => Some(at_key(self.job, refused::not_measured(term))),
             (None, Some(NotMeasured::Drop)) => {
                 self.notes.push(InSum::Dropped { term });
                 return;
@@ -312,17 +291,11 @@ fn steps(
     any.then(|| ErrorCurve::through(measured.knots(), &extra, kind))
 }
 
-fn not_measured(job: &Job, term: ErrorTerm) -> Problem {
-    let help = "measure it, or write `active_terms_not_measured = \"keep\"` (its correction is carried over) or \"drop\" (the new tables do without it) in [measurement]";
-    problem(job, format!("the active tables correct {term}, which was not measured"), help)
-}
-
 fn not_asked(job: &Job, term: ErrorTerm) -> Problem {
     let path = if job.source.place_of("compensation.terms").is_some() {
         "compensation.terms"
     } else {
         KEY
     };
-    job.problem_at(path, format!("the active tables correct {term}, but `terms` does not ask for it: the new tables would do without"))
-        .help("add it to `terms`, or write `active_terms_not_measured = \"drop\"` in [measurement]")
+    job.source.at(path, refused::not_asked(term))
 }

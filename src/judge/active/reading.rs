@@ -6,6 +6,7 @@ use crate::control::controller::{ControlUnit, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::judge::findings::InControl;
+use crate::judge::refused;
 use crate::quantity::{Axis, PerAxis};
 use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::stated_control;
@@ -198,8 +199,8 @@ pub(super) fn axis_of(names: &PerAxis<Vec<String>>, name: &str) -> Option<Axis> 
 /// Where the job speaks of the active tables.
 pub(super) const KEY: &str = "measurement.active_while_measuring";
 
-pub(super) fn problem(job: &Job, message: impl Into<String>, help: &str) -> Problem {
-    job.problem_at(KEY, message).help(help)
+pub(super) fn at_key(job: &Job, problem: Problem) -> Problem {
+    job.source.at(KEY, problem)
 }
 
 /// The control as the job describes it, without tables.
@@ -226,11 +227,7 @@ pub(super) fn backlash_of(
             && (found - own).abs() > SAME_UM
         {
             let path = format!("measurement.active_backlash_um.{}", axis.key());
-            let message = format!(
-                "the files hold a backlash parameter of {found} µm for {axis}, the job states {own} µm"
-            );
-            let problem = job.problem_at(&path, message);
-            problems.push(problem.help("remove it from the job, or name the files of that day"));
+            problems.push(job.source.at(&path, refused::other_backlash(found, axis, own)));
         }
     }
     PerAxis::from_fn(|axis| found[axis].or(stated[axis]))

@@ -5,9 +5,10 @@ use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope};
 use crate::judge::findings::{AsLeft, joined};
+use crate::judge::refused;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, Volume};
-use crate::text::{Finding, Problem, Problems, Severity};
+use crate::text::{Finding, Problems, Severity};
 use crate::write::grid::EDGE_MM;
 
 /// Refuses a second job of another machine: serial number, travel, reference point and direction
@@ -18,26 +19,18 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
         if let (Some(here), Some(there)) = (here, there)
             && here != there
         {
-            let message = format!(
-                "the measurement afterwards is of another machine: {what} is {there}, as found {here}"
-            );
-            let other = second.problem_at(&key, message);
-            problems
-                .push(other.help("both jobs describe the same machine in the same coordinates"));
-            problems.push(first.problem_at(&key, format!("as found, {what} is {here}")));
+            let other = refused::of_other_machine(&what, there, &here);
+            problems.push(second.source.at(&key, other));
+            problems.push(first.source.at(&key, refused::as_found(what, here)));
         }
     }
     // Lengths that were brought to 20 °C cannot be compared with lengths that were not.
     let stated = |job: &Job| Some(job.measurement.diagonals()?.material.is_some());
     if (stated(first), stated(second)) == (Some(true), Some(false)) {
-        let message = "the second job does not state [measurement.step_diagonal.material], the first one does";
-        let problem = second.problem_at("", message.to_string());
-        problems.push(problem.help("state it with the temperatures of the second measurement: they are never taken from the first"));
+        problems.push(second.source.at("", refused::no_material()));
     }
     if ![Acceptance::default(), first.acceptance].contains(&second.acceptance) {
-        let words = "the second job asks for other limits than the first";
-        let help = "both are judged by those of the first job: state there what is asked, and nothing here";
-        problems.push(second.problem_at("acceptance", words).help(help));
+        problems.push(second.source.at("acceptance", refused::other_limits()));
     }
     problems.or_ok(())
 }
@@ -83,13 +76,7 @@ fn told(job: &Job) -> Vec<(String, String, Option<String>)> {
 pub(super) fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<(), Problems> {
     let names = |model: &ErrorModel| joined(model.measured().map(|(term, _)| term));
     if !model.measured().any(|(term, _)| before.terms[term].is_some()) {
-        return Err(Problem::new(format!(
-            "both measurements have no error in common: as found {}, afterwards {}",
-            names(before),
-            names(model)
-        ))
-        .help("measure the same errors again with the tables active")
-        .into());
+        return Err(refused::no_common_error(names(before), names(model)).into());
     }
     let mut problems = Problems::none();
     for axis in Axis::ALL {
@@ -98,11 +85,7 @@ pub(super) fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<()
         };
         if second.1 <= first.0 || second.0 >= first.1 {
             let [[from, to], [low, high]] = [first, second].map(|(a, b)| [a.mm(), b.mm()]);
-            let message = format!(
-                "axis {axis} was measured from {from} to {to} mm as found and from {low} to {high} mm afterwards: no position in common"
-            );
-            let help = "both files count in machine coordinates; measure the same range again";
-            problems.push(Problem::new(message).help(help));
+            problems.push(refused::no_common_range(axis, from, to, low, high));
         }
     }
     problems.or_ok(())
@@ -114,9 +97,7 @@ pub(super) fn nine_terms_over(before: &ErrorModel, runs: &StraightRuns) -> Resul
     };
     let mut problems = Problems::none();
     for words in not_known(before, walks).into_iter().chain(outside(before, &runs.volume)) {
-        let message =
-            format!("the first measurement does not tell what the straight runs show: {words}");
-        problems.push(Problem::new(message).help("measure the errors of the first measurement there too, each by itself, or give the second one as an error table of what was measured first"));
+        problems.push(refused::not_told(words));
     }
     problems.or_ok(())
 }

@@ -302,10 +302,7 @@ impl OnControl<'_> {
 
     /// The last digit of a length, in the unit of the control.
     fn digit(&self) -> f64 {
-        1.0 / power_of_ten(match self.unit {
-            ControlUnit::Millimetre => self.facts.interval_decimals_mm.value,
-            ControlUnit::Inch => self.facts.interval_decimals_inch.value,
-        })
+        1.0 / power_of_ten(self.facts.interval_decimals(self.unit))
     }
 
     /// A length in the unit of the control; a whole number counts its last digits, as 3624 does on the same

@@ -10,7 +10,7 @@ use crate::control::controller::{Evidence, KitFile, Role, Statement};
 use crate::kit::loaded::{KEEP_TO_THE_FORMAT, Made};
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
-use crate::read::{ReadBack, emulator, load, read_apart};
+use crate::read::{ReadBack, emulator, read_apart};
 use crate::text::{BLANK, Finding, Problem, Problems, joined};
 use crate::write::compensation::{Compiled, trimmed};
 use crate::write::emit::{self, Emitted};
@@ -59,7 +59,7 @@ impl Proofs {
             if tables != proof.tables {
                 return Err(shows_otherwise("they hold other tables than were meant"));
             }
-            load(profile, &mut loaded, tables);
+            loaded.load(tables);
             written.push((proof, own.iter().map(|file| file.path.clone()).collect::<Vec<_>>()));
             files.extend(own);
         }

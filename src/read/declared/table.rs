@@ -4,6 +4,7 @@ use crate::control::controller::{DeclaredFacts, Field, Order, ValueForm};
 use crate::control::table::{ListedTable, Point, name};
 use crate::quantity::rounded;
 use crate::read::lexer::Complaint;
+use crate::read::refused;
 use crate::text::shown;
 use std::ops::Range;
 
@@ -71,8 +72,7 @@ impl<'a> Draft<'a> {
         if let (Some(one), Some(own)) = (&whose.axes, &self.own.axes)
             && !is_same(one, own)
         {
-            let message = "a second pair of axes for this table";
-            return Err(Complaint::new(line.clone(), message, "a table is for one pair of axes"));
+            return Err(Complaint::new(line.clone(), refused::second_pair()));
         }
         self.own.name = self.own.name.take().or(whose.name);
         self.own.axes = self.own.axes.take().or(whose.axes);
@@ -117,8 +117,7 @@ impl<'a> Draft<'a> {
     pub(super) fn table(self) -> Result<ListedTable, Complaint> {
         let Some([base, output]) = self.own.axes.clone() else {
             let name = self.own.name.as_deref().map_or(String::new(), shown);
-            let message = format!("no line says which axes the table `{name}` is for");
-            return Err(Complaint::new(self.line, message, "take the whole file"));
+            return Err(Complaint::new(self.line, refused::table_of_nobody(name)));
         };
         let is_own = base.eq_ignore_ascii_case(&output);
         let what = name(&base, &output);
@@ -132,9 +131,10 @@ impl<'a> Draft<'a> {
             let Point { forward, reverse, .. } = points[0];
             let first = if forward.abs() > 0.0 { forward } else { reverse.unwrap_or(0.0) };
             if self.facts.value_form.value == ValueForm::Increment && first.abs() > 0.0 {
-                let message = format!("the first increment of the {what} is {first}, expected 0");
-                let help = "an increment is the change over the section before; there is none";
-                return Err(Complaint::new(row.line.clone(), message, help));
+                return Err(Complaint::new(
+                    row.line.clone(),
+                    refused::first_increment(what, first),
+                ));
             }
         }
         Ok(ListedTable { term: None, base, output, points })
@@ -144,20 +144,15 @@ impl<'a> Draft<'a> {
     fn check_size(&self, is_own: bool, what: &str) -> Result<(), Complaint> {
         let facts = self.facts;
         let (rows, most) = (self.rows.len(), facts.points.value as usize);
-        let wrong = |span: &Range<usize>, message: String, help: &str| {
-            Err(Complaint::new(span.clone(), message, help))
-        };
+        let wrong = |span: &Range<usize>, wrong| Err(Complaint::new(span.clone(), wrong));
         if !is_own && facts.cross_terms.value == 0 {
-            let message = format!("a {what}, and this control corrects an axis by itself only");
-            return wrong(&self.line, message, "`cross_terms` of the profile says so");
+            return wrong(&self.line, refused::no_cross_table(what));
         }
         if rows > most {
-            let message = format!("a point behind the {most} that the control takes");
-            return wrong(&self.rows[most].line, message, "use a larger spacing");
+            return wrong(&self.rows[most].line, refused::point_beyond(most));
         }
         if rows < most.min(2) {
-            let message = format!("the {what} has {rows} points, expected at least 2");
-            return wrong(&self.line, message, "take the whole file");
+            return wrong(&self.line, refused::few_points(what, rows));
         }
         let last = facts.first_point.value as usize + rows - 1;
         // Beside positions a start and a spacing say the same once more.
@@ -170,8 +165,7 @@ impl<'a> Draft<'a> {
                 continue;
             };
             if (said - is).abs() > DUST {
-                let message = format!("the file says {said} here, its points make it {is}");
-                return wrong(span, message, "points are missing, too many, or elsewhere");
+                return wrong(span, refused::says_otherwise(said, is));
             }
         }
         Ok(())
@@ -183,21 +177,14 @@ impl<'a> Draft<'a> {
         match row.number {
             None if self.rows[0].number.is_none() => Ok(()),
             Some(number) if (number - expected).abs() < 0.5 => Ok(()),
-            _ => Err(Complaint::new(
-                row.line.clone(),
-                format!("the point {expected} of the {what} was expected here"),
-                "points follow each other without a gap",
-            )),
+            _ => Err(Complaint::new(row.line.clone(), refused::gap(expected, what))),
         }
     }
 
     /// Where a point lies, in the unit of the file.
     fn position(&self, index: usize, row: &Row) -> Result<f64, Complaint> {
         let facts = self.facts;
-        let missing = |field: &str| {
-            let message = format!("a point without `{field}`");
-            Complaint::new(row.line.clone(), message, "take the whole file")
-        };
+        let missing = |field: &str| Complaint::new(row.line.clone(), refused::point_without(field));
         match facts.is_spaced() {
             false => {
                 let of_factor = facts.factors.as_ref().map(|_| 0.0);
@@ -219,11 +206,9 @@ impl<'a> Draft<'a> {
             Order::Descending => (before.is_none_or(|before| position < before), "below"),
         };
         match before {
-            Some(before) if !is_behind => Err(Complaint::new(
-                row.line.clone(),
-                format!("position {position} does not lie {word} {before} of the point before"),
-                "`order` of the profile says how points follow each other; each position once",
-            )),
+            Some(before) if !is_behind => {
+                Err(Complaint::new(row.line.clone(), refused::other_order(position, word, before)))
+            }
             _ => Ok(()),
         }
     }
@@ -237,11 +222,8 @@ fn is_same([base, output]: &[String; 2], [other_base, other_output]: &[String; 2
 fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint> {
     let all = [Field::Value, Field::Forward, Field::Reverse];
     if let Some(field) = all.iter().find(|own| row.of(**own).is_some() != wanted.contains(own)) {
-        let is_there = row.of(*field).is_some();
-        let message =
-            format!("a point with{} `{}`", if is_there { "" } else { "out" }, field.word());
-        let help = "the patterns of the profile say which values a point has";
-        return Err(Complaint::new(row.line.clone(), message, help));
+        let with = if row.of(*field).is_some() { "with" } else { "without" };
+        return Err(Complaint::new(row.line.clone(), refused::other_values(with, field.word())));
     }
     let mut values = wanted.iter().filter_map(|field| row.of(*field));
     Ok(Point { position, forward: values.next().unwrap_or_default(), reverse: values.next() })
@@ -250,8 +232,7 @@ fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint>
 /// Takes a field that was not there yet.
 fn put(fields: &mut Vec<(Field, Placed)>, field: Field, placed: Placed) -> Result<(), Complaint> {
     if fields.iter().any(|(own, _)| *own == field) {
-        let help = "of two values nobody knows which one the control takes";
-        return Err(Complaint::new(placed.1, format!("a second `{}` here", field.word()), help));
+        return Err(Complaint::new(placed.1, refused::second(field.word())));
     }
     fields.push((field, placed));
     Ok(())
@@ -267,7 +248,6 @@ fn number_in(text: &str, field: Field, span: &Range<usize>) -> Result<f64, Compl
     let number = number.filter(|number| !whole || number.fract().abs() <= 0.0);
     number.map(|number| number + 0.0).ok_or_else(|| {
         let kind = if whole { "a whole number" } else { "a number" };
-        let message = format!("`{}` is `{}`, expected {kind}", field.word(), shown(written));
-        Complaint::new(span.clone(), message, "write digits with a decimal point")
+        Complaint::new(span.clone(), refused::other_kind(field.word(), shown(written), kind))
     })
 }

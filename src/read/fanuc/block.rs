@@ -19,17 +19,9 @@ use crate::read::lexer::{Complaint, Cursor, lines};
 use crate::read::program::blocks::Cancelled::*;
 use crate::read::program::blocks::Meaning::{self, *};
 use crate::read::program::blocks::{Code, Vocabulary, refuse, without_comments};
+use crate::read::refused;
 use part_program::Language;
 use std::ops::Range;
-
-const FRAME_HELP: &str = "a record begins with `%` and ends with `%`, each on a line of its own; \
-    the file may have been cut when it was copied; if it is no file of the control, take it out of the \
-    directory";
-const END_OF_BLOCK_HELP: &str = "a line feed (0A hexadecimal) ends a block; transfer the file again, without a change of its line ends";
-const GRAMMAR_HELP: &str =
-    "a block is `N<number>`, `Q0` or `Q1`, then `A<axis>P<value>` or `P<value>`";
-const PROGRAM_HELP: &str =
-    "this reader reads files of `N…P…` blocks only; a G10 program is loaded by running it";
 
 /// What means nothing at the end of a block.
 const BLANKS: [char; 3] = [' ', '\t', '\r'];
@@ -59,7 +51,7 @@ pub(super) fn number(block: &str) -> Option<(u32, &str)> {
 /// with `%`; before that of a read-out some text may stand.
 pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) -> Range<usize> {
     let mut refuse = |span: Range<usize>, message: &str| {
-        complaints.push(Complaint::new(span, message, FRAME_HELP))
+        complaints.push(Complaint::new(span, refused::frame(message)));
     };
     let (Some(opening), Some(closing)) = (text.find('%'), text.rfind('%')) else {
         refuse(0..0, "the file has no opening `%`");
@@ -147,11 +139,7 @@ pub(super) struct Segment {
 pub(super) fn parse(text: &str, span: Range<usize>) -> Result<Block, Complaint> {
     if let Some((at, c)) = text[span.clone()].char_indices().find(|(_, c)| !c.is_ascii()) {
         let at = span.start + at;
-        return Err(Complaint::new(
-            at..at + c.len_utf8(),
-            format!("`{c}` is not an ASCII character"),
-            "files of this control are plain ASCII; the file is damaged or of another kind",
-        ));
+        return Err(Complaint::new(at..at + c.len_utf8(), refused::not_ascii(c)));
     }
     let mut words = Words(Cursor::new(text, span, &[' ', '\t']));
     words.0.peek_word();
@@ -187,9 +175,7 @@ impl Words<'_> {
         let text = self.0.text(span.clone());
         match text.parse() {
             Ok(number) => Ok(Some((number, start..span.end))),
-            Err(_) => {
-                Err(Complaint::new(span, format!("the number `{text}` is too large"), GRAMMAR_HELP))
-            }
+            Err(_) => Err(Complaint::new(span, refused::large_number(text))),
         }
     }
 
@@ -202,10 +188,7 @@ impl Words<'_> {
         match self.0.text(span.clone()) {
             "0" => Ok(Some(true)),
             "1" => Ok(Some(false)),
-            other => {
-                let message = format!("the data identifier `Q{other}` is neither `Q0` nor `Q1`");
-                Err(Complaint::new(span, message, "`Q0` marks pitch data, `Q1` a parameter"))
-            }
+            other => Err(Complaint::new(span, refused::other_identifier(other))),
         }
     }
 
@@ -215,7 +198,7 @@ impl Words<'_> {
         let spindle = self.marked("S")?;
         let axis = self.marked("A")?;
         if let Some((0, span)) = axis {
-            return Err(Complaint::new(span, "axis numbers count from 1", GRAMMAR_HELP));
+            return Err(Complaint::new(span, refused::axis_0()));
         }
         let Some(letter) = self.0.eat("PMI") else {
             return Err(self.unexpected("`P` and a value"));
@@ -242,36 +225,20 @@ impl Words<'_> {
     fn unexpected(&self, expected: &str) -> Complaint {
         let Some(found) = self.0.peek() else {
             let span = self.0.at.saturating_sub(1)..self.0.at;
-            let message = format!("the block ends where {expected} was expected");
-            return Complaint::new(span, message, GRAMMAR_HELP);
+            return Complaint::new(span, refused::block_ends(expected));
         };
-        let (what, help) = match found {
-            '\r' => {
-                ("a carriage return alone, which ends no block on a control", END_OF_BLOCK_HELP)
-            }
-            'a'..='z' => ("a letter in lower case, which a control skips", "write it in capitals"),
-            ';' => ("a `;`; in a file `;` ends no block", END_OF_BLOCK_HELP),
-            '(' => (
-                "a comment, which this control's data files cannot hold",
-                "remove the text in parentheses",
-            ),
-            'O' | ':' => ("a program number in a data file", PROGRAM_HELP),
-            'G' | 'R' => ("a block of a G10 program", PROGRAM_HELP),
-            '%' => (
-                "a `%` inside the record; a control reads no further",
-                "keep one record in a file, with one `%` before and one after it",
-            ),
-            ',' => ("a decimal comma", "the decimal sign is a point"),
-            _ => ("", GRAMMAR_HELP),
+        let wrong = match found {
+            '\r' => refused::carriage_return(),
+            'a'..='z' => refused::lower_case(),
+            ';' => refused::semicolon(),
+            '(' => refused::comment(),
+            'O' | ':' => refused::program_number(),
+            'G' | 'R' => refused::program_block(),
+            '%' => refused::percent_inside(),
+            ',' => refused::decimal_comma(),
+            _ => refused::not_expected(found.escape_debug(), expected),
         };
-        let message = match what {
-            "" => {
-                let found = found.escape_debug();
-                format!("found `{found}` where {expected} was expected")
-            }
-            what => format!("found {what}"),
-        };
-        Complaint::new(self.0.at..self.0.at + found.len_utf8(), message, help)
+        Complaint::new(self.0.at..self.0.at + found.len_utf8(), wrong)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::control::controller::{Evidence, Fact, IntervalForm, StraightnessForm, TableSign};
+use crate::text::Problem;
 use crate::text::plain::tests::texts_of;
 
 fn fact<T>(value: T) -> Fact<T> {

@@ -1,5 +1,6 @@
 //! What a row of the generic table must be, and what the rows must be to each other.
 
+use super::refused;
 use crate::quantity::{Axis, Direction, ErrorTerm};
 use crate::read::emulate::step_of;
 use crate::text::{Problem, Problems};
@@ -81,13 +82,12 @@ impl Row {
 pub(super) struct Flaw {
     pub(super) row: usize,
     pub(super) column: &'static str,
-    pub(super) message: String,
-    help: String,
+    pub(super) problem: Problem,
 }
 
 impl Flaw {
-    fn new(row: usize, column: &'static str, message: String, help: impl Into<String>) -> Flaw {
-        Flaw { row, column, message, help: help.into() }
+    fn new(row: usize, column: &'static str, problem: Problem) -> Flaw {
+        Flaw { row, column, problem }
     }
 }
 
@@ -95,9 +95,8 @@ impl Flaw {
 /// row that is lost would only be missed there again. `problem` knows the places of the form.
 pub(super) fn checked(
     read: impl Iterator<Item = Result<Row, Problems>>,
-    problem: impl Fn(&Flaw) -> Problem,
+    problem: impl Fn(Flaw) -> Problem,
 ) -> Result<Vec<Row>, Problems> {
-    let problem = |flaw: Flaw| problem(&flaw).help(flaw.help);
     let mut problems = Problems::none();
     let (mut rows, mut flaws) = (Vec::new(), Vec::new());
     for (number, row) in read.enumerate() {
@@ -121,55 +120,40 @@ pub(super) fn checked(
 
 /// Notes what is wrong inside a row.
 fn check(number: usize, row: &Row, flaws: &mut Vec<Flaw>) {
-    let mut flaw = |column, message, help: &str| {
-        flaws.push(Flaw::new(number, column, message, help));
-    };
+    let mut flaw = |column, problem| flaws.push(Flaw::new(number, column, problem));
     if row.term().is_none() {
         let names = ErrorTerm::ALL.map(|term| term.to_string()).join(" ");
-        let message = format!("`term` is `{}`, expected the name of a term", row.term);
-        flaw("term", message, &format!("known terms: {names}"));
+        flaw("term", refused::other_term(&row.term, names));
     }
     refuse_nameless_axes(row, &mut flaw);
     if let (Some(symbol), None) = (&row.direction, row.way()) {
-        let message = format!("`direction` is `{symbol}`, expected `+`, `-` or nothing");
-        flaw("direction", message, "an empty direction means both");
+        flaw("direction", refused::other_direction(symbol));
     }
     refuse_other_values(row, &mut flaw);
 }
 
-fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, String, &str)) {
+fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, Problem)) {
     let is_name = |name: &str| {
         !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
     };
     for (column, name) in [("base_axis", &row.base_axis), ("output_axis", &row.output_axis)] {
         if !is_name(name) {
-            let message = format!("`{column}` is `{name}`, expected the name of an axis");
-            flaw(column, message, "write the control's name of the axis, as in the job");
+            flaw(column, refused::nameless_axis(column, name));
         }
     }
 }
 
 /// A correction that is not the opposite of its deviation, and an increment at the wrong place.
-fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, String, &str)) {
+fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, Problem)) {
     if (row.deviation_um + row.correction_um).abs() > 0.0 {
-        let (correction, opposite) = (row.correction_um, 0.0 - row.deviation_um);
-        let message = format!(
-            "`correction_um` is {correction}, expected {opposite}, the opposite of the deviation"
-        );
-        flaw("correction_um", message, "a correction cancels the deviation of its row exactly");
+        let opposite = 0.0 - row.deviation_um;
+        flaw("correction_um", refused::not_opposite(row.correction_um, opposite));
     }
-    let (message, help) = match (row.index, row.increment_um) {
-        (0, Some(um)) => (
-            format!("`increment_um` is `{um}`, expected nothing at index 0"),
-            "there is no point before the first one",
-        ),
-        (1.., None) => (
-            "`increment_um` is empty, expected a finite number".to_string(),
-            "only the first point of a block has none",
-        ),
-        _ => return,
-    };
-    flaw("increment_um", message, help);
+    match (row.index, row.increment_um) {
+        (0, Some(um)) => flaw("increment_um", refused::first_increment(um)),
+        (1.., None) => flaw("increment_um", refused::no_increment()),
+        _ => {}
+    }
 }
 
 /// What the rows are to each other: one axis for each name, and equal steps in each block.
@@ -207,18 +191,13 @@ fn direction_flaw(rows: &[Row], blocks: &Blocks, (term, axes, way): &Whose) -> O
     if let Some(both) = of(None) {
         let row = own[0].max(both[0]);
         let Row { base_axis, output_axis, .. } = &rows[row];
-        let message = format!(
-            "from {base_axis} to {output_axis} there are blocks with and without direction; which one acts is not known"
-        );
-        let help = "a pair of axes has one block, or one for each direction";
-        return Some(Flaw::new(row, "direction", message, help));
+        let wrong = refused::with_and_without(base_axis, output_axis);
+        return Some(Flaw::new(row, "direction", wrong));
     }
     let at = |row: &usize| rows[*row].position_mm;
     let same = own.iter().zip(other?).take_while(|(a, b)| (at(a) - at(b)).abs() <= 0.0).count();
     let row = *own.get(same).filter(|_| own.len() >= other.map_or(0, Vec::len))?;
-    let message = "a position that the block of the other direction does not have".to_string();
-    let help = "both directions of a pair of axes lie at the same positions";
-    Some(Flaw::new(row, "position_mm", message, help))
+    Some(Flaw::new(row, "position_mm", refused::one_way_position()))
 }
 
 /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
@@ -234,20 +213,14 @@ fn names(rows: &[Row]) -> Vec<Flaw> {
         ] {
             match known.iter().find(|(met, _)| met.eq_ignore_ascii_case(name)) {
                 None if known.len() == MOST_AXES => {
-                    let message = format!("`{name}` is another axis, expected at most {MOST_AXES}");
-                    let help = "no control has so many: check that this is a table of corrections";
-                    flaws.push(Flaw::new(number, column, message, help));
+                    flaws.push(Flaw::new(number, column, refused::another_axis(name, MOST_AXES)));
                     return flaws;
                 }
                 None => known.push((name, axis)),
                 Some((_, other)) if *other == axis => {}
                 Some((_, other)) => {
-                    let message = format!(
-                        "`{name}` stands for the {axis} axis in {}, but for the {other} axis before",
-                        row.term
-                    );
-                    let help = "EYX is Y while X moves: `base_axis` X, `output_axis` Y";
-                    flaws.push(Flaw::new(number, column, message, help));
+                    let wrong = refused::two_axes(name, axis, &row.term, other);
+                    flaws.push(Flaw::new(number, column, wrong));
                 }
             }
         }
@@ -259,19 +232,12 @@ fn names(rows: &[Row]) -> Vec<Flaw> {
 fn index_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let mut counted = block.iter().zip(0_u32..);
     if let Some((row, expected)) = counted.find(|(row, expected)| rows[**row].index != *expected) {
-        let message = format!(
-            "`index` is {}, expected {expected} as the next of its block",
-            rows[*row].index
-        );
-        let help = "each term, pair of axes and direction is one block, counted from 0 without \
-                    gaps and written once";
-        return Some(Flaw::new(*row, "index", message, help));
+        return Some(Flaw::new(*row, "index", refused::not_next(rows[*row].index, expected)));
     }
     let [only] = block else {
         return None;
     };
-    let help = "a line needs two points; the rows after this one may have been lost";
-    Some(Flaw::new(*only, "term", "a block of one point, expected two or more".to_string(), help))
+    Some(Flaw::new(*only, "term", refused::one_point()))
 }
 
 /// Rows that do not lie behind the one before, or whose increment is not the change.
@@ -280,20 +246,13 @@ fn step_flaws(rows: &[Row], block: &[usize]) -> impl Iterator<Item = Flaw> {
         let (before, row) = (&rows[pair[0]], &rows[pair[1]]);
         let (from, to) = (before.position_mm, row.position_mm);
         if to <= from {
-            let message =
-                format!("`position_mm` is {to}, expected more than {from} of the row before");
-            let help = "the positions of a block ascend";
-            return Some(Flaw::new(pair[1], "position_mm", message, help));
+            return Some(Flaw::new(pair[1], "position_mm", refused::not_behind(to, from)));
         }
         let change = row.correction_um - before.correction_um;
         let increment = row.increment_um?;
-        ((increment - change).abs() > SAME_INCREMENT_UM).then(|| {
-            let message = format!(
-                "`increment_um` is {increment}, expected {change}, the change of the correction"
-            );
-            let help = "an increment is the correction minus the correction of the row before";
-            Flaw::new(pair[1], "increment_um", message, help)
-        })
+        let other = || refused::other_increment(increment, change);
+        ((increment - change).abs() > SAME_INCREMENT_UM)
+            .then(|| Flaw::new(pair[1], "increment_um", other()))
     })
 }
 
@@ -312,8 +271,6 @@ fn spacing_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let worst = (0..steps.len())
         .rev() // the first of equal ones
         .max_by(|a, b| off(&steps[*a]).total_cmp(&off(&steps[*b])))?;
-    let message =
-        format!("`position_mm` is {} mm after the row before, expected {usual} mm", steps[worst]);
-    let help = "the positions of a block are equally spaced; a row may be missing";
-    Some(Flaw::new(block[worst + 1], "position_mm", message, help))
+    let wrong = refused::other_spacing(steps[worst], usual);
+    Some(Flaw::new(block[worst + 1], "position_mm", wrong))
 }

@@ -1,9 +1,10 @@
 //! The two forms of the generic table, CSV and `{"schema":1,"rows":[{…}, …]}`, row by row.
 
 use super::check::{Flaw, Row, checked};
+use super::refused;
 use crate::text::{
-    Line, LineIndex, MOST_ROWS, Problem, Problems, Source, lines, nearest, refuse_long_lines,
-    refuse_many_columns, shown,
+    Line, LineIndex, MOST_ROWS, Problem, Problems, Source, bounded, lines, nearest,
+    refuse_long_lines, refuse_many_columns, shown,
 };
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -30,34 +31,36 @@ struct Document {
 
 /// Reads the JSON form. What is no such document is told at its first place.
 pub(super) fn read_json(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
-    const HELP: &str =
-        "expected {\"schema\":1,\"rows\":[…]} with the nine columns as keys of each row";
     // JSON may stand in one line; the columns of a long one are not counted.
     let index = refuse_long_lines(file, text).is_ok().then(LineIndex::default);
-    let at = |message: String, start: usize, end: usize| match &index {
-        Some(index) => Problem::new(message).at(index.place(file, text, start, end)),
-        None => Problem::new(format!("`{file}`: {message}")),
+    let at = |problem: Problem, start: usize, end: usize| match &index {
+        Some(index) => problem.at(index.place(file, text, start, end)),
+        None => behind(&format!("`{file}`"), problem),
     };
     let document: Document = serde_json::from_str(text).map_err(|flaw| {
         let before = text.split_inclusive('\n').take(flaw.line().saturating_sub(1));
         let start = before.map(str::len).sum::<usize>() + flaw.column().saturating_sub(1);
         let whole = flaw.to_string();
         let what = whole.split(" at line ").next().unwrap_or(&whole);
-        let message = format!("the JSON cannot be read: {what}");
-        at(message, start, start + 1).help(format!("{HELP}; the file may have been cut off"))
+        at(refused::no_json(what), start, start + 1)
     })?;
     if document.schema != 1 {
-        let message = format!("`schema` is {}, expected 1", document.schema);
-        return Err(at(message, 0, 1).help(HELP).into());
+        return Err(at(refused::other_schema(document.schema), 0, 1).into());
     }
     if let Some(problem) = wrong_count(document.rows.len()) {
         let (start, end) = place_of(text, document.rows.len(), "rows");
-        return Err(at(problem.message, start, end).help(HELP).into());
+        return Err(at(problem, start, end).help(refused::NINE_KEYS).into());
     }
     checked(document.rows.into_iter().map(Ok), |flaw| {
         let (start, end) = place_of(text, flaw.row, flaw.column);
-        at(format!("rows[{}]: {}", flaw.row, flaw.message), start, end)
+        at(behind(&format!("rows[{}]", flaw.row), flaw.problem), start, end)
     })
+}
+
+/// A problem whose words stand behind where it is.
+fn behind(place: &str, mut problem: Problem) -> Problem {
+    problem.message = bounded(format!("{place}: {}", problem.message));
+    problem
 }
 
 /// Where a key of a row stands; rows are the only objects inside the outermost one.
@@ -77,10 +80,7 @@ pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
         .map(|line| line.separated_by(b',', false));
     let first_line = format!("first line: {}", COLUMNS.join(","));
     let Some(header) = rows.next() else {
-        return Err(Problem::new("the file is empty, expected a generic table")
-            .at(source.place(&(0..0)))
-            .help(first_line)
-            .into());
+        return Err(refused::no_table(first_line).at(source.place(&(0..0))).into());
     };
     refuse_many_columns(&header, &first_line)?;
     let help = "a generic table has nine columns, separated by commas";
@@ -89,25 +89,18 @@ pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
     if let Some(problem) = wrong_count(rows.len()) {
         return Err(problem.at(header.whole()).into());
     }
-    checked(rows.iter().map(|line| row(*line, &names)), |flaw: &Flaw| {
+    checked(rows.iter().map(|line| row(*line, &names)), |flaw: Flaw| {
         let place = rows[flaw.row].cell_place(place_among(&names, flaw.column));
-        Problem::new(flaw.message.clone()).at(place)
+        flaw.problem.at(place)
     })
 }
 
 pub(super) fn wrong_count(rows: usize) -> Option<Problem> {
-    let (message, help) = match rows {
-        0 => (
-            "the table has no rows".to_string(),
-            "each row is one point; the file may have been cut off",
-        ),
-        1..=MOST_ROWS => return None,
-        _ => (
-            format!("the table has more than {MOST_ROWS} rows, too many for any control"),
-            "check that this is a table of corrections",
-        ),
-    };
-    Some(Problem::new(message).help(help))
+    match rows {
+        0 => Some(refused::no_rows()),
+        1..=MOST_ROWS => None,
+        _ => Some(refused::many_rows(MOST_ROWS)),
+    }
 }
 
 /// The names of the columns of a header: all that are needed, and some that may be there.
@@ -120,19 +113,17 @@ pub(super) fn columns(
     let known = || needed.iter().chain(others).copied();
     let mut problems = Problems::none();
     for (index, name) in names.iter().enumerate() {
-        let at = |message: String| Problem::new(message).at(header.cell_place(index));
+        let at = |problem: Problem| problem.at(header.cell_place(index));
         if !known().any(|known| known == name.as_str()) {
             let near = nearest(name, known()).map(|near| format!("did you mean `{near}`?"));
             let help = near.unwrap_or_else(|| format!("expected {}", needed.join(",")));
-            problems.push(at(format!("unknown column `{}`", shown(name))).help(help));
+            problems.push(at(refused::unknown_column(shown(name), help)));
         } else if names[..index].contains(name) {
-            let message = format!("column `{name}` stands in the header twice");
-            problems.push(at(message).help("remove one of the two"));
+            problems.push(at(refused::column_twice(name)));
         }
     }
     for name in needed.iter().filter(|name| !names.iter().any(|own| own == **name)) {
-        let message = format!("the header has no column `{name}`");
-        problems.push(Problem::new(message).at(header.whole()).help(help));
+        problems.push(refused::no_column(name, help).at(header.whole()));
     }
     problems.or_ok(names)
 }
@@ -184,9 +175,9 @@ impl<'a, 'b> Cells<'a, 'b> {
     }
 
     /// Notes what is wrong with a cell.
-    pub(super) fn refuse(&mut self, column: &str, message: String, help: &str) {
+    pub(super) fn refuse(&mut self, column: &str, problem: Problem) {
         let place = self.line.cell_place(place_among(self.names, column));
-        self.problems.push(Problem::new(message).at(place).help(help));
+        self.problems.push(problem.at(place));
     }
 }
 
@@ -196,9 +187,7 @@ fn row(line: Line<'_>, names: &[String]) -> Result<Row, Problems> {
     let mut cells = Cells::of(line, names, NUMBER)?;
     let index = cells.text("index").parse::<u32>();
     if index.is_err() {
-        let message =
-            format!("`index` is `{}`, expected a whole number from 0", cells.text("index"));
-        cells.refuse("index", message, "the points of a block are counted 0, 1, 2, …");
+        cells.refuse("index", refused::no_index(cells.text("index")));
     }
     let row = Row {
         term: cells.text("term"),

@@ -5,6 +5,7 @@ use crate::control::table::Tables;
 use crate::quantity::Millimetres;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::emulator;
+use crate::text::Problem;
 use std::fmt::Write;
 
 const HEADER: &str = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um\n";

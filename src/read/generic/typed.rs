@@ -7,6 +7,7 @@
 //! the correction is zero, so a list names the place, `zero_mm`.
 
 use super::check::{Flaw, Row, checked};
+use super::refused;
 use super::rows::{Cells, columns, place_among, wrong_count};
 use crate::control::controller::TypedValue;
 use crate::quantity::rounded;
@@ -62,7 +63,7 @@ pub(super) fn read(
 ) -> Result<Vec<Row>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let Some((header, lines)) = header_and_rows(&source) else {
-        return Err(Problem::new(format!("`{file}` is empty")).into());
+        return Err(refused::empty(file).into());
     };
     let columns = Columns::of(&header, held)?;
     if let Some(problem) = wrong_count(lines.len().min(MOST_ROWS + 1)) {
@@ -80,9 +81,9 @@ pub(super) fn read(
     }
     say_all(&mut points, &columns)?;
     let lines: Vec<Line<'_>> = points.iter().map(|point| point.line).collect();
-    let rows = checked(points.into_iter().map(|point| Ok(point.row)), |flaw: &Flaw| {
+    let rows = checked(points.into_iter().map(|point| Ok(point.row)), |flaw: Flaw| {
         let place = lines[flaw.row].cell_place(columns.place(flaw.column));
-        Problem::new(flaw.message.clone()).at(place)
+        flaw.problem.at(place)
     })?;
     told_last.or_ok(rows)
 }
@@ -111,9 +112,8 @@ impl Columns {
         let names = columns(header, (&COLUMNS, &values), HELP)?;
         let own: Vec<_> = all.iter().filter(|(name, ..)| names.contains(name)).collect();
         let [(value, kind, (unit, um))] = own.as_slice() else {
-            let message = format!("the list has {} columns of values, expected one", own.len());
-            let help = format!("one of {}", values.join(", "));
-            return Err(Problem::new(message).at(header.whole()).help(help).into());
+            let wrong = refused::columns_of_values(own.len(), values.join(", "));
+            return Err(wrong.at(header.whole()).into());
         };
         let size = if held.is_some() { 1.0 } else { *um };
         Ok(Columns { value: value.clone(), kind: *kind, unit, size, names })
@@ -130,8 +130,8 @@ impl Columns {
     }
 
     /// A problem at a cell of a column.
-    fn at(&self, line: &Line<'_>, column: &str, message: impl Into<String>) -> Problem {
-        Problem::new(message).at(line.cell_place(self.place(column)))
+    fn at(&self, line: &Line<'_>, column: &str, problem: Problem) -> Problem {
+        problem.at(line.cell_place(self.place(column)))
     }
 }
 
@@ -154,9 +154,7 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
     let text = cells.text("point");
     let index: Option<u32> = text.parse().ok();
     if index.is_none() && text != SUM {
-        let found = shown(&text);
-        let message = format!("`point` is `{found}`, expected the number of a point or `{SUM}`");
-        cells.refuse("point", message, "take the list from the kit again");
+        cells.refuse("point", refused::no_point(shown(&text), SUM));
     }
     let mut of_point = |column| if index.is_some() { cells.number(column) } else { 0.0 };
     let [position_mm, zero_mm] = ["position_mm", "zero_mm"].map(&mut of_point);
@@ -197,9 +195,8 @@ fn refuse_other_sums(
         match (sums.next(), sums.next()) {
             (Some(sum), None) => other_sums(&own, sum, columns, &mut problems),
             _ => {
-                let message = format!("page `{}` has no sum, or more than one", shown(page));
-                let help = "rows of this page may be missing: take the list from the kit again";
-                problems.push(Problem::new(message).at(own[0].line.whole()).help(help));
+                let wrong = refused::not_one_sum(shown(page));
+                problems.push(wrong.at(own[0].line.whole()));
             }
         }
     }
@@ -216,15 +213,11 @@ fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: 
             continue;
         };
         if (total - stated).abs() > SAME {
-            let unit = columns.unit;
             let shown_in = |um: f64| rounded(um / columns.size, DUST_DECIMALS);
-            let message = format!(
-                "`{column}` adds up to {} {unit} on page {}, its sum is {} {unit}",
-                shown_in(total),
-                shown(&sum.page),
-                shown_in(stated)
-            );
-            problems.push(columns.at(&sum.line, column, message).help(help_of_sum(own)));
+            let (total, stated, page) = (shown_in(total), shown_in(stated), shown(&sum.page));
+            let help = help_of_sum(own);
+            let wrong = refused::other_sum(column, total, columns.unit, page, stated, help);
+            problems.push(columns.at(&sum.line, column, wrong));
         }
     }
 }
@@ -247,10 +240,8 @@ fn help_of_sum(page: &[&Point<'_>]) -> String {
 /// A missing value is no zero: what was seen counts whole or not at all.
 fn unseen(points: &[Point<'_>], columns: &Columns) -> Option<Problem> {
     let missing = points.iter().filter(|point| point.seen_um.is_none());
-    let message =
-        format!("`seen` is empty in {} of {} lines", missing.clone().count(), points.len());
-    let problem = columns.at(&missing.clone().next()?.line, "seen", message);
-    Some(problem.help("read every point on the control's screen and fill in what it shows"))
+    let wrong = refused::not_seen(missing.clone().count(), points.len());
+    Some(columns.at(&missing.clone().next()?.line, "seen", wrong))
 }
 
 /// Says of each point deviation, correction and increment, whichever of them the list holds.
@@ -297,9 +288,7 @@ fn sum_at_zero(
     let first = &points[block[0]].line;
     let is_zero = |point: &Point<'_>| (point.row.position_mm - point.zero_mm).abs() <= SAME;
     let Some(zero) = block.iter().position(|index| is_zero(&points[*index])) else {
-        let message = "no point of this table lies at `zero_mm`, where the correction is zero";
-        let help = "`zero_mm` is the reference point, in machine coordinates";
-        return Err(columns.at(first, "zero_mm", message).help(help));
+        return Err(columns.at(first, "zero_mm", refused::nowhere_zero()));
     };
     let (place, what) = match columns.kind {
         TypedValue::Outward => (zero, "the reference point"),
@@ -307,9 +296,8 @@ fn sum_at_zero(
     };
     let start = &points[block[place]];
     if start.um.abs() > 0.0 {
-        let message = format!("{what} has an increment, expected 0");
-        let help = "an increment is the change over the section before; there is none";
-        return Err(columns.at(&start.line, &columns.value, message).help(help));
+        let wrong = refused::increment_from_nothing(what);
+        return Err(columns.at(&start.line, &columns.value, wrong));
     }
     for at in (1..=place).rev() {
         points[block[at]].um = points[block[at - 1]].um;

@@ -114,7 +114,7 @@ impl IsgControl {
     fn farthest(&self, axis: Axis) -> f64 {
         self.axes[axis].as_ref().map_or(0.0, |own| {
             let far = |end: Millimetres| (end - own.rest).mm().abs();
-            far(own.travel.0).max(far(own.travel.1))
+            own.travel().map(far).into_iter().fold(0.0, f64::max)
         })
     }
 
@@ -165,7 +165,7 @@ impl IsgControl {
         let points = angles.flat_map(|curve| &curve.points);
         let mut places: Vec<f64> = points.map(|point| point.position).collect();
         if let (true, Some(own)) = (self.tilt(along).length() > 0.0, &self.axes[along]) {
-            places.extend([own.travel.0.mm(), own.travel.1.mm()]);
+            places.extend(own.travel().map(Millimetres::mm));
         }
         places.sort_by(f64::total_cmp);
         places.dedup_by(|a, b| a.total_cmp(b).is_eq());

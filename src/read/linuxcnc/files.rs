@@ -6,7 +6,8 @@
 use crate::control::controller::{Columns, ControlUnit, LinuxcncFacts, MOST_JOINTS};
 use crate::control::table::{ListedTable, Point};
 use crate::quantity::rounded;
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, Words, lines, located, number, words};
+use crate::read::lexer::{Complaint, Words, complaints, lines, located, number, words};
+use crate::read::refused;
 use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -76,38 +77,28 @@ fn setting<'a>(section: &'a str, line: &'a str, span: Range<usize>) -> Option<Se
 impl Ini {
     /// Reads the settings of concern that LinuxCNC reads of a text.
     pub(super) fn read(file: &str, text: &str) -> Result<Ini, Problems> {
-        let (mut ini, mut complaints) = (Ini::default(), Vec::new());
+        let mut ini = Ini::default();
         let (mut begun, mut known) = (BTreeSet::new(), BTreeSet::new());
         let (mut within, mut is_second) = ("", false);
-        for span in lines(text) {
+        let complaints = complaints(lines(text), |span| {
             let line = text[span.clone()].trim();
             if let Some(name) = section(line) {
                 (within, is_second) = (name, !begun.insert(name));
-            } else if line.starts_with("#INCLUDE") {
-                complaints.push(Complaint::new(
-                    span,
-                    "this line includes another file, which is not read here",
-                    "name the file that LinuxCNC makes of both when it starts: the ini file with `.expanded` behind its name",
-                ));
-            } else if let Some(setting) = setting(within, line, span).filter(is_read) {
-                if is_second {
-                    complaints.push(Complaint::new(
-                        setting.span,
-                        format!(
-                            "a second section [{}], which LinuxCNC does not read",
-                            shown(within)
-                        ),
-                        "put its lines into the first section of this name",
-                    ));
-                } else if known.insert((within, setting.key)) {
-                    let taken = ini.take(&setting);
-                    complaints.extend(taken.err().map(|expected| wrong(&setting, expected)));
+                return Ok(());
+            }
+            if line.starts_with("#INCLUDE") {
+                return Err(Complaint::new(span, refused::includes()));
+            }
+            match setting(within, line, span).filter(is_read) {
+                Some(setting) if is_second => {
+                    Err(Complaint::new(setting.span, refused::second_section(shown(within))))
                 }
+                Some(setting) if known.insert((within, setting.key)) => {
+                    ini.take(&setting).map_err(|expected| wrong(&setting, expected))
+                }
+                _ => Ok(()),
             }
-            if complaints.len() >= MOST_COMPLAINTS {
-                break;
-            }
-        }
+        });
         located(file, text, complaints).or_ok(ini)
     }
 
@@ -157,18 +148,8 @@ fn unit(value: &str) -> Result<ControlUnit, &'static str> {
 }
 
 fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
-    let Setting { section, key, value, .. } = setting;
-    let message = format!(
-        "`{}` of [{}] is `{}`, expected {expected}",
-        shown(key),
-        shown(section),
-        shown(value)
-    );
-    Complaint::new(
-        setting.span.clone(),
-        message,
-        "a value goes to the end of its line, comments too",
-    )
+    let [section, key, value] = [setting.section, setting.key, setting.value].map(shown);
+    Complaint::new(setting.span.clone(), refused::ini_value(key, section, value, expected))
 }
 
 // The HAL file of a kit, which corrects joints by the positions of others, in the form of docs/linuxcnc.md §3.
@@ -179,7 +160,6 @@ fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
 // ```
 // A line that differs is refused, because it could add something: LinuxCNC itself has executed this form alone.
 
-const HELP: &str = "a HAL file is read as `generate` writes it, line by line: name that of the kit; the machine's own HAL files are not read";
 /// Stands for a number in a line of the form.
 const NUMBER: &str = "NUMBER";
 
@@ -227,7 +207,10 @@ fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Complaint
             && let Some(((position, at), (value, _))) = numbers.next().zip(numbers.next())
         {
             if piece.last().is_some_and(|last| position <= last.position) {
-                return Err(Complaint::new(at, "the points of a curve do not ascend", HELP));
+                return Err(Complaint::new(
+                    at,
+                    refused::hal("the points of a curve do not ascend"),
+                ));
             }
             piece.push(Point { position, forward: value, reverse: None });
         }
@@ -294,14 +277,14 @@ fn differs(text: &str, line: &Line<'_>, at: usize, expected: &str) -> Complaint 
     let end = line.last().map_or(text.len(), |(_, span)| span.end);
     let found = line.get(at).map(|(word, span)| (format!("`{}`", shown(word)), span.clone()));
     let (found, span) = found.unwrap_or_else(|| ("nothing".to_string(), end..end));
-    Complaint::new(span, format!("{found} stands here, expected {expected}"), HELP)
+    Complaint::new(span, refused::hal(format!("{found} stands here, expected {expected}")))
 }
 
 /// The curves that the first line loads, each with the joints that it is linked to.
 fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Complaint> {
     let first = lines.first().map_or(&[][..], Vec::as_slice);
     let at = first.first().map_or(0..0, |(_, span)| span.clone());
-    let wrong = |message: String| Complaint::new(at.clone(), message, HELP);
+    let wrong = |message: String| Complaint::new(at.clone(), refused::hal(message));
     let lengths = lengths(first, facts).ok_or_else(|| {
         let [points, most] = [&facts.curve_points, &facts.curves].map(|fact| fact.value);
         wrong(format!("expected `loadrt lincurve count=N personality=LIST` first, of up to {most} curves of 2 to {points} points"))
@@ -317,7 +300,7 @@ fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Comp
         joint.filter(|joint| *joint < MOST_JOINTS).ok_or_else(|| {
             let at = line.map_or(at.clone(), |line| line[0].1.start..line[line.len() - 1].1.end);
             let message = format!("expected a line `net nonius-J-… {pin}` with the joint J");
-            Complaint::new(at, message, HELP)
+            Complaint::new(at, refused::hal(message))
         })
     };
     let curve = |(number, points)| {

@@ -4,6 +4,7 @@
 use crate::quantity::{Axis, Diagonal, Direction, Figure, LaserPath, Pass, PerAxis};
 use crate::read::lexer::{Complaint, located};
 use crate::read::program::blocks::{Action, Cancelled, Step};
+use crate::read::refused;
 use crate::text::{Problem, Problems};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -80,8 +81,7 @@ struct Walker<'a> {
 
 impl Walker<'_> {
     fn find(&mut self, message: impl Into<String>) {
-        let help = "this program must not be used; nothing was written";
-        self.found.push(Complaint::new(self.at.clone(), message, help));
+        self.found.push(Complaint::new(self.at.clone(), refused::otherwise(message.into())));
     }
 
     fn step(&mut self, action: &Action) {

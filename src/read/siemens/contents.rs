@@ -7,7 +7,8 @@ use crate::control::table::siemens::{
     MachineDatum, MachineValue, Place, SiemensTable, SiemensTables,
 };
 use crate::read::lexer::{Complaint, Cursor, lines};
-use crate::text::{Finding, Problem, Problems, nearest};
+use crate::read::refused;
+use crate::text::{Finding, Problems, nearest};
 use Allowed::{Any, AxisName, Number, Truth, Whole};
 use Index::{Axis, Encoder, Point, Table};
 use std::collections::BTreeSet;
@@ -63,7 +64,7 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
             match all.tables.set(datum).is_some_and(|old| old != value) {
                 false => {}
                 true if is_switch(&variable) => _ = all.twice.insert(variable),
-                true => problems.push(conflict(&variable)),
+                true => problems.push(refused::contradiction(variable)),
             }
         }
         all.tables.reserved.extend(file.tables.reserved);
@@ -88,19 +89,15 @@ fn merge_table(known: &mut SiemensTable, table: &mut SiemensTable, problems: &mu
         if let (Some(a), Some(b)) = (*known, *value)
             && (a - b).abs() > 0.0
         {
-            problems.push(conflict(&format!("point {point} of ${place} ({a} and {b})")));
+            let what = format!("point {point} of ${place} ({a} and {b})");
+            problems.push(refused::contradiction(what));
         }
         *known = known.or(*value);
         *value = *known;
     }
     if known != table {
-        problems.push(conflict(&format!("the parameters of ${place}")));
+        problems.push(refused::contradiction(format!("the parameters of ${place}")));
     }
-}
-
-fn conflict(what: &str) -> Problem {
-    Problem::new(format!("two files write {what} with different values"))
-        .help("what the control holds would depend on the order of loading; remove one of the two")
 }
 
 // The variables that a compensation file may write: their names, indices and allowed values.
@@ -213,11 +210,8 @@ pub(super) fn variable(set: &Assignment<'_>) -> Result<Variable, Complaint> {
         Axis => "AX1",
     };
     let example: Vec<&str> = indices.iter().map(example).collect();
-    Err(Complaint::new(
-        set.head.clone(),
-        format!("`[{}]` is not an index of `${name}`", set.indices.join(",")),
-        format!("write it like `[{}]`; measuring systems are 0 and 1", example.join(",")),
-    ))
+    let wrong = refused::no_index(set.indices.join(","), name, example.join(","));
+    Err(Complaint::new(set.head.clone(), wrong))
 }
 
 impl Index {
@@ -262,8 +256,8 @@ impl Variable {
             AxisName => (matches!(value, Value::Name(_)), "an axis name such as `(AX1)`"),
         };
         if !takes_it {
-            let message = format!("`${}` cannot have this value", self.name);
-            return Err(Complaint::new(set.value_span.clone(), message, format!("write {words}")));
+            let wrong = refused::not_this_value(self.name, words);
+            return Err(Complaint::new(set.value_span.clone(), wrong));
         }
         Ok(match value {
             Value::Number(number) => MachineValue::Number(number),
@@ -279,7 +273,7 @@ fn unknown(set: &Assignment<'_>) -> Complaint {
         Some(known) => format!("did you mean `${known}`?"),
         None => "only variables of ENC_COMP and CEC and their machine data are read".to_string(),
     };
-    Complaint::new(set.head.clone(), format!("unknown variable `${}`", set.name), help)
+    Complaint::new(set.head.clone(), refused::unknown_variable(&set.name, help))
 }
 
 // What a control wrote of itself: what the lines of its files say of the compensation.

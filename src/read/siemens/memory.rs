@@ -11,6 +11,7 @@ use crate::control::table::siemens::{
 };
 use crate::quantity::Direction;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS};
+use crate::read::refused;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -145,7 +146,11 @@ impl Memory {
         };
         let switched = self.all.tables.datum(&format!("{switch}[{index}]"));
         draft.protected = switched.and_then(|on| on.value.number()).is_some_and(|on| on > 0.0);
-        if draft.protected { Err(protected(set, switch)) } else { Ok(()) }
+        // Alarm 17070 (808D Function Manual 01/2017 p. 109). Told once for each table.
+        match draft.protected {
+            true => Err(Complaint::new(set.head.clone(), refused::protected(switch))),
+            false => Ok(()),
+        }
     }
 
     fn set_machine(&mut self, datum: MachineDatum) {
@@ -187,13 +192,7 @@ impl Memory {
         let points: f64 = self.tables.values().filter_map(steps).sum();
         let head = self.tables.values().next()?.head.clone();
         let is_too_many = points > MOST_STATEMENTS as f64;
-        is_too_many.then(|| {
-            Complaint::new(
-                head,
-                format!("the tables would have {points:.0} points together, expected at most {MOST_STATEMENTS}"),
-                "no control holds so many; correct MIN, STEP or MAX",
-            )
-        })
+        is_too_many.then(|| Complaint::new(head, refused::points_together(points, MOST_STATEMENTS)))
     }
 }
 
@@ -286,11 +285,8 @@ impl Draft {
     /// Complains of parameters that no line writes; where a line could not be read, it may be that one.
     fn missing(&mut self, name: &str, parameters: &[&'static str]) {
         for field in parameters.iter().filter(|field| !self.cells.contains_key(&(**field, 0))) {
-            self.complaints.push(Complaint::new(
-                self.head.clone(),
-                format!("{} of {name} is missing", &field[1..]),
-                "write it in the same file as the points",
-            ));
+            let missing = refused::parameter_missing(&field[1..], name);
+            self.complaints.push(Complaint::new(self.head.clone(), missing));
         }
     }
 
@@ -306,10 +302,7 @@ impl Draft {
         let last = last.map_err(|complaint| self.complaints.push(complaint)).ok()?;
         let behind = self.points(last + 1).filter(|_| self.writer == Writer::Kit);
         let behind = behind.map(|(point, placed)| {
-            let message =
-                format!("{name} has point {point}, but MIN, STEP and MAX give points 0 to {last}");
-            let help = "remove the point or correct MIN, STEP or MAX";
-            Complaint::new(placed.span.clone(), message, help)
+            Complaint::new(placed.span.clone(), refused::point_behind(name, point, last))
         });
         let behind: Vec<Complaint> = behind.collect();
         self.complaints.extend(behind);
@@ -321,47 +314,30 @@ impl Draft {
     /// control's table lies between two points, that of the one behind MAX, if it is there: it may be part
     /// of what the control computes.
     fn last_point(&self, name: &str, grid: SiemensGrid) -> Result<u32, Complaint> {
-        let wrong = |parameter, message: String, help: &str| {
+        let wrong = |parameter, problem| {
             let span = self.cell(parameter).map_or(self.head.clone(), |of| of.span.clone());
-            Err(Complaint::new(span, message, help))
+            Err(Complaint::new(span, problem))
         };
         let SiemensGrid { min, step, max } = grid;
         let steps = grid.steps();
         if step <= 0.0 {
-            let message = format!("STEP of {name} is {step}, it must be greater than 0");
-            return wrong("_STEP", message, "write the distance of two points");
+            return wrong("_STEP", refused::no_step(name, step));
         }
         if max <= min {
-            let message = format!("MAX of {name} is {max}, not greater than MIN {min}");
-            let help = "MIN is the position of point 0, MAX that of the last point";
-            return wrong("_MAX", message, help);
+            return wrong("_MAX", refused::max_not_above(name, max, min));
         }
         if steps >= MOST_POINTS {
-            let message = format!("{name} would have {steps:.0} points");
-            return wrong("_STEP", message, "no control holds so many; correct MIN, STEP or MAX");
+            return wrong("_STEP", refused::many_points(name, steps));
         }
         let last = grid.last_whole_point();
         if last >= 1 && grid.is_whole() {
             return Ok(last);
         }
         if last < 1 || self.writer == Writer::Kit {
-            let message =
-                format!("(MAX-MIN)/STEP of {name} is {steps}, expected a whole number from 1");
-            let help = "the last point must lie on MAX; controls differ in what they do otherwise";
-            return wrong("_STEP", message, help);
+            return wrong("_STEP", refused::no_whole_steps(name, steps));
         }
         Ok(last + u32::from(self.cells.contains_key(&("", last + 1))))
     }
-}
-
-/// A table that is switched on is write-protected: alarm 17070 (808D Function Manual
-/// 01/2017 p. 109). Told once for each table.
-fn protected(set: &Assignment<'_>, switch: &str) -> Complaint {
-    Complaint::new(
-        set.head.clone(),
-        format!("the table is written while `{switch}` is 1; the control stops with alarm 17070"),
-        format!("set `{switch}` to 0 before the table and to 1 after it"),
-    )
 }
 
 #[allow(

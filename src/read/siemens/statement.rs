@@ -10,6 +10,7 @@
 //! program does not know could move the machine.
 
 use crate::read::lexer::{Complaint, Cursor};
+use crate::read::refused;
 use crate::text::{is_unseen, nearest};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -101,11 +102,7 @@ pub(super) fn statement(source: &str, code: Range<usize>) -> Result<Statement<'_
     if unreadable || cursor.peek_word().is_none() {
         return Ok(found);
     }
-    Err(Complaint::new(
-        cursor.rest(),
-        format!("`{}` follows a complete statement", cursor.text(cursor.rest())),
-        "one line holds one statement; remove the rest or give it its own line",
-    ))
+    Err(Complaint::new(cursor.rest(), refused::rest(cursor.text(cursor.rest()))))
 }
 
 /// Refuses characters that a control does not read, and in `seen` those that nobody sees.
@@ -126,12 +123,11 @@ pub(super) fn check_characters(
         // (SINUMERIK Programming Manual 12/2019 p. 52) and would run less, or more, than a person sees.
         if is_unseen(c) && c != '\t' {
             let kind = if c.is_control() { "control " } else { "" };
-            let message = format!("{kind}character U+{:04X} in the file", u32::from(c));
-            return Err(Complaint::new(span, message, "transfer the file again as plain text"));
+            let code = format!("{:04X}", u32::from(c));
+            return Err(Complaint::new(span, refused::unseen(kind, code)));
         }
         if !c.is_ascii() && at < code.end {
-            let help = "outside comments the control reads ASCII only";
-            return Err(Complaint::new(span, format!("`{c}` is not an ASCII character"), help));
+            return Err(Complaint::new(span, refused::not_ascii_in_code(c)));
         }
     }
     Ok(())
@@ -143,11 +139,7 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     const LONGEST_NAME: usize = 24;
     let span = cursor.rest();
     if span.start != 0 {
-        return Err(Complaint::new(
-            span,
-            "a `%` header stands only in column 1 of the first line",
-            "give every program its own file",
-        ));
+        return Err(Complaint::new(span, refused::header_elsewhere()));
     }
     let text = cursor.text(span.clone()).to_ascii_uppercase();
     let well_formed = text.strip_prefix("%_N_").and_then(|name| name.rsplit_once('_')).is_some_and(
@@ -160,11 +152,7 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     if well_formed {
         return Ok(Statement::Nothing);
     }
-    Err(Complaint::new(
-        span,
-        format!("`{text}` is not a header of the form `%_N_NAME_INI`"),
-        "letters, digits and `_`, a name of at most 24 characters and an ending of three",
-    ))
+    Err(Complaint::new(span, refused::other_header(text)))
 }
 
 fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
@@ -179,14 +167,10 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
         end if is_end(end) => return Ok(Statement::End),
         _ => {}
     }
-    let help = match nearest(&word, WORDS) {
-        Some(known) => format!("did you mean `{known}`?"),
-        None => "a compensation file holds only `$` assignments, `CHANDATA(1)`, `NEWCONF`, \
-                 `STOPRE`, `M0` and an end word; anything else could move the machine"
-            .to_string(),
-    };
-    let message = format!("`{}` does not belong here", cursor.text(line.clone()));
-    Err(Complaint::new(line, message, help))
+    let near = nearest(&word, WORDS).map(|known| format!("did you mean `{known}`?"));
+    let help = near.unwrap_or_else(|| refused::ONLY_DATA.to_string());
+    let found = cursor.text(line.clone());
+    Err(Complaint::new(line, refused::other_word(found, help)))
 }
 
 /// The data that follow belong to a channel. Tables are those of the machine, but names of axes may be
@@ -198,16 +182,13 @@ fn channel_data<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint>
     cursor.peek_word();
     let number = cursor.digits();
     let closed = !number.is_empty() && cursor.eat(")").is_some();
-    let (span, message) = match number.trim_start_matches('0') {
+    Err(match number.trim_start_matches('0') {
         "1" if opened && closed => return Ok(Statement::Nothing),
-        other if opened && closed => (
-            start..cursor.at,
-            format!("`CHANDATA({other})` names another channel, expected the first"),
-        ),
-        _ => (cursor.here(), "`CHANDATA` needs a channel number in parentheses".to_string()),
-    };
-    let help = "write `CHANDATA(1)`, or leave it out where the file is a part program";
-    Err(Complaint::new(span, message, help))
+        other if opened && closed => {
+            Complaint::new(start..cursor.at, refused::other_channel(other))
+        }
+        _ => Complaint::new(cursor.here(), refused::no_channel()),
+    })
 }
 
 fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> {
@@ -220,8 +201,7 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     };
     let head = start..cursor.at;
     if cursor.eat("=").is_none() {
-        let message = format!("`=` is missing after `{}`", cursor.text(head));
-        return Err(Complaint::new(cursor.here(), message, "write `$VARIABLE[index]=value`"));
+        return Err(Complaint::new(cursor.here(), refused::no_sign(cursor.text(head))));
     }
     cursor.peek_word();
     let value_span = cursor.rest();
@@ -234,11 +214,7 @@ const USUAL_INDICES: usize = 3;
 
 fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>, Complaint> {
     let wrong = |cursor: &Cursor<'_>, expected: &str| {
-        Complaint::new(
-            cursor.here(),
-            format!("{expected} expected in the index of `${name}`"),
-            "write whole numbers and axis names between `[` and `]`, separated by commas",
-        )
+        Complaint::new(cursor.here(), refused::in_index(expected, name))
     };
     let mut indices = Vec::with_capacity(USUAL_INDICES);
     loop {
@@ -259,9 +235,8 @@ fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>,
 fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
     let span = cursor.rest();
     let text = cursor.text(span.clone());
-    let refuse = |message: &str, help| {
-        Err(Complaint::new(span.clone(), format!("`{text}` {message}"), help))
-    };
+    let refuse =
+        |wrong: &str, help| Err(Complaint::new(span.clone(), refused::value(text, wrong, help)));
     match cursor.peek() {
         Some(open @ ('(' | '"')) => {
             cursor.at += 1;
@@ -283,11 +258,7 @@ fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
             ),
         },
         Some(_) => number(cursor).or_else(|(message, help)| refuse(message, help)),
-        None => Err(Complaint::new(
-            cursor.here(),
-            "the value is missing",
-            "write a number after `=`; if the file ends here it is incomplete",
-        )),
+        None => Err(Complaint::new(cursor.here(), refused::no_value())),
     }
 }
 

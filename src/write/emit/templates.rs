@@ -2,6 +2,7 @@
 
 use crate::control::controller::Template;
 use crate::text::{LARGEST_FILE_MIB, Place, Problem};
+use crate::write::refused;
 use regex_automata::meta::Regex;
 use std::borrow::Cow;
 use std::collections::btree_map::Entry;
@@ -56,7 +57,7 @@ fn parsed(template: &Template) -> Result<Arc<Parsed>, Problem> {
 
 /// A page of what a document holds.
 pub(crate) fn page(template: &Template, document: &serde_json::Value) -> Result<String, Problem> {
-    text(template, &tera::Context::from_serialize(document).map_err(no_context)?)
+    text(template, &tera::Context::from_serialize(document).map_err(refused::no_context)?)
 }
 
 /// One file as text with `\n` line ends.
@@ -68,22 +69,15 @@ pub(in crate::write) fn text(
     let parsed = parsed(template)?;
     let is_own = matches!(source, Cow::Owned(_)); // those of the program are known
     if is_own && parsed.layout.work(context) > MOST_TAGS {
-        let what =
-            format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
-        return Err(too_much(name, &what));
+        return Err(refused::much_work(name, MOST_TAGS));
     }
     let mut text = Bounded::default();
     let rendered = parsed.alone.render_to(&parsed.name, context, &mut text);
     if text.is_full {
-        return Err(too_much(name, &format!("writes more than {LARGEST_FILE_MIB} MiB")));
+        return Err(refused::much_text(name, LARGEST_FILE_MIB));
     }
     rendered.map_err(|error| template_problem(name, source, &error))?;
-    String::from_utf8(text.bytes)
-        .map_err(|_| Problem::new(format!("template `{name}` does not write text")))
-}
-
-pub(super) fn no_context(error: impl std::fmt::Display) -> Problem {
-    Problem::new(format!("the context of the templates cannot be made: {error}"))
+    String::from_utf8(text.bytes).map_err(|_| refused::no_text(name))
 }
 
 /// A text that does not grow beyond the limit of a file.
@@ -108,16 +102,9 @@ impl Write for Bounded {
     }
 }
 
-fn too_much(name: &str, what: &str) -> Problem {
-    Problem::new(format!("template `{name}` {what}, too much for a file of a kit"))
-        .help("a loop inside another one runs once for each of its items: loop over the lists of that item")
-}
-
 /// A problem of a template that says more than a layout.
 fn no_layout(name: &str, template: &str, (span, message): Wrong) -> Problem {
-    Problem::new(format!("template `{name}` is refused: {message}"))
-        .at(Place::in_text(name, template, span.start, span.end))
-        .help("a template prints names of the context with `{{ … }}`, loops over its lists with `for … in` and chooses with `if` (docs/own-control.md §3)")
+    refused::no_layout(name, message).at(Place::in_text(name, template, span.start, span.end))
 }
 
 /// A problem of a template at its place in the template.
@@ -138,8 +125,7 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
         }
         _ => (error.to_string(), None),
     };
-    let mut problem = Problem::new(format!("template `{name}` cannot be rendered: {message}"))
-        .help("`nonius context JOB` prints what a template sees");
+    let mut problem = refused::not_rendered(name, message);
     problem.place = place;
     problem
 }
@@ -216,23 +202,15 @@ impl Layout {
     /// Tags that rendering executes, at most: all branches count, and each list is as long as the longest of
     /// its name, or of all where none has its name.
     fn work(&self, context: &tera::Context) -> u64 {
-        let loops = self.tags.iter().flatten();
-        let roots: BTreeSet<&str> = loops.clone().map(|(root, _)| root.as_str()).collect();
-        let measured = |longest: &mut [(&str, Option<u64>)]| {
-            let values = roots.iter().filter_map(|root| Some((*root, context.get(root)?)));
-            values.for_each(|(root, value)| measure(root, value, longest));
-        };
-        let lists: BTreeSet<&str> = loops.map(|(_, list)| list.as_str()).collect();
-        let mut longest: Vec<_> = lists.into_iter().map(|list| (list, None)).collect();
-        measured(&mut longest);
-        let mut all = [(ANY, None)];
-        if longest.iter().any(|(_, length)| length.is_none()) {
-            measured(&mut all);
+        let roots = self.tags.iter().flatten().map(|(root, _)| root.as_str());
+        let mut longest = BTreeMap::new();
+        for root in roots.collect::<BTreeSet<&str>>() {
+            if let Some(value) = context.get(root) {
+                measure(root, value, &mut longest);
+            }
         }
-        let length = |list: &str| {
-            let own = longest.iter().find(|(name, _)| *name == list);
-            own.and_then(|(_, length)| *length).or(all[0].1).map_or(1, |n| 1.max(n))
-        };
+        let of_all = longest.values().copied().max().unwrap_or(1);
+        let length = |list: &str| longest.get(list).copied().unwrap_or(of_all).max(1);
         let turns = |loops: &Vec<(String, String)>| {
             loops.iter().map(|(_, list)| length(list)).fold(1, u64::saturating_mul)
         };
@@ -240,14 +218,10 @@ impl Layout {
     }
 }
 
-/// Lists of any name.
-const ANY: &str = "";
-
-/// Notes the longest list, map or text of each of these names in a value.
-fn measure(name: &str, value: &tera::Value, longest: &mut [(&str, Option<u64>)]) {
-    for (_, known) in longest.iter_mut().filter(|(own, _)| *own == name || *own == ANY) {
-        *known = Some(value.len().map_or(0, |length| length as u64)).max(*known);
-    }
+/// Notes the longest list, map or text of each name in a value.
+fn measure<'a>(name: &'a str, value: &'a tera::Value, longest: &mut BTreeMap<&'a str, u64>) {
+    let known = longest.entry(name).or_default();
+    *known = value.len().map_or(0, |length| length as u64).max(*known);
     for item in value.as_array().into_iter().flatten() {
         measure(LISTED, item, longest);
     }

@@ -37,23 +37,6 @@ pub struct FourPoint {
     pub residual: f64,
 }
 
-impl FourPoint {
-    /// What the control puts out at a node: the straight line between the two points around it,
-    /// rounded half away from zero; held outside the points.
-    ///
-    /// unit   detection units
-    /// source B-63522EN/02 p. 223 (straightness compensation); rounding at every point is taken
-    ///        from the emulated control, the manual does not state it
-    pub fn output(&self, node: usize) -> i64 {
-        let knot = |index: usize| (self.nodes[index], self.amounts[index]);
-        match self.nodes.partition_point(|&point| point < node) {
-            0 => self.amounts[0],
-            4 => self.amounts[3],
-            next => whole(output_between(knot(next - 1), knot(next), node)),
-        }
-    }
-}
-
 /// The four points whose rounded output is nearest to the wanted amounts.
 ///
 ///   min over nodes and whole amounts of  max_i |round(W(i)) − wanted_i|
@@ -114,8 +97,12 @@ fn joined(reference: usize, (left, right): &(Chain, Chain)) -> FourPoint {
 /// A node and the amount there, detection units.
 type Knot = (usize, i64);
 
-/// The rounded line at a node from `inner` to `outer`, both included. The division comes last:
-/// all before it is exact, so a half is met as a half.
+/// What the control puts out at a node from `inner` to `outer`, both included: the straight line, rounded half away
+/// from zero. The division comes last: all before it is exact, so a half is met as a half.
+///
+/// unit   detection units
+/// source B-63522EN/02 p. 223 (straightness compensation); rounding at every point is taken
+///        from the emulated control, the manual does not state it
 fn output_between(inner: Knot, outer: Knot, node: usize) -> f64 {
     let (before, after) = ((node - inner.0) as f64, (outer.0 - node) as f64);
     let sum = as_number(inner.1) * after + as_number(outer.1) * before;
@@ -227,23 +214,16 @@ impl<'a> Gates<'a> {
 
     /// The first two nodes that a piece joins: from an amount of `inner` to one of `outer`.
     fn joined(&self, inner: &[(usize, Vec<i64>)], outer: &[Vec<i64>]) -> Option<(usize, usize)> {
-        let is_before = |(b, c): (usize, usize), other: Option<(usize, usize)>| match other {
-            None => true,
-            Some((b2, c2)) if self.side.is_mirrored => (c, b) > (c2, b2),
-            Some(other) => (b, c) < other,
-        };
-        let mut first = None;
-        for (b, amounts) in inner {
-            for from in amounts.iter().map(|amount| (*b, *amount)) {
-                for (c, low, high) in self.reach(from).take_while(|(c, ..)| *c < outer.len()) {
-                    let joins = |a: &&i64| (low..=high).contains(*a) && self.keeps(from, (c, **a));
-                    if is_before((*b, c), first) && outer[c].iter().any(|a| joins(&a)) {
-                        first = Some((*b, c));
-                    }
-                }
-            }
-        }
-        first
+        let from = inner.iter().flat_map(|(b, amounts)| amounts.iter().map(|own| (*b, *own)));
+        let joined = from.flat_map(|from| {
+            let reached = self.reach(from).take_while(|(c, ..)| *c < outer.len());
+            let joins = move |(c, low, high): &(usize, i64, i64)| {
+                let mut amounts = outer[*c].iter().filter(|own| (low..=high).contains(own));
+                amounts.any(|own| self.keeps(from, (*c, *own)))
+            };
+            reached.filter(joins).map(move |(c, ..)| (from.0, c))
+        });
+        if self.side.is_mirrored { joined.max_by_key(|(b, c)| (*c, *b)) } else { joined.min() }
     }
 
     /// Amounts at a node from which one piece reaches the end.

@@ -4,6 +4,7 @@ use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::quantity::Axis;
 use crate::text::{Problem, Problems, joined};
 use crate::write::grid::Grid;
+use crate::write::refused;
 use crate::write::task::{Plan, Task, axis_key};
 
 /// The pitch points of one physical axis.
@@ -110,14 +111,9 @@ pub(super) fn runs(
         match space.take_at(blocks, first, run.count) {
             Some(first) => run.first = first,
             None => {
-                let words = format!(
-                    "points {first}…{} of axis {} are reserved, in use by another axis, or outside the control's {}",
-                    first.saturating_add(run.count - 1),
-                    run.axis,
-                    blocks_text(blocks)
-                );
-                let problem = task.job.problem_at(&axis_key(run.axis, ".first_point"), words);
-                problems.push(problem.help("choose another `first_point`, or leave it out"));
+                let last = first.saturating_add(run.count - 1);
+                let wrong = refused::points_taken(first, last, run.axis, blocks_text(blocks));
+                problems.push(task.job.source.at(&axis_key(run.axis, ".first_point"), wrong));
             }
         }
     }
@@ -137,10 +133,8 @@ pub(super) fn runs(
 }
 
 fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> Problem {
-    let (Run { axis, id, count, .. }, blocks) = (run, blocks_text(blocks));
-    let words = format!("there is no room for {count} points of axis {axis} ({id}) in {blocks}");
-    let problem = task.job.problem_at(&axis_key(*axis, ""), words);
-    problem.help("use a larger spacing, or free `reserved_points`")
+    let wrong = refused::no_room(run.count, run.axis, run.id, blocks_text(blocks));
+    task.job.source.at(&axis_key(run.axis, ""), wrong)
 }
 
 fn blocks_text(blocks: &[NumberRange]) -> String {

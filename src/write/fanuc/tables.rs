@@ -13,12 +13,13 @@ use crate::control::controller::{FanucFacts, IntervalForm, TableSign};
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::AxisSettings;
 use crate::quantity::{Axis, Direction};
-use crate::text::{Finding, Problems};
+use crate::text::{Finding, Problem, Problems};
 use crate::write::family::Placement;
 use crate::write::fanuc::four_point::best_fit;
 use crate::write::fanuc::numbers::{Run, Space, is_four_point};
 use crate::write::findings::TableFinding;
 use crate::write::grid::{Grid, as_number, whole};
+use crate::write::refused;
 use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// What is written so far, and what it is made from.
@@ -61,23 +62,17 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn refuse(&mut self, path: &str, message: String, help: &str) {
-        self.problems.push(self.task.job.problem_at(path, message).help(help));
+    fn refuse(&mut self, path: &str, wrong: Problem) {
+        self.problems.push(self.task.job.source.at(path, wrong));
     }
 
     fn refuse_steep(&mut self, planned: &PlannedTable, unit_um: f64) {
         let (increment, magnification) =
             (self.facts.increment_max.value, self.facts.magnification_max.value);
         let most = f64::from(increment) * f64::from(magnification) * unit_um;
-        let change = steepest(planned);
-        self.refuse(
-            &axis_key(planned.term.along, ""),
-            format!(
-                "{} changes by {change:.1} µm between two points, more than {increment} × {magnification} × {unit_um} µm = {most:.3} µm that the control can add",
-                planned.term
-            ),
-            "use a smaller spacing, or check the measurement and `detection_unit_um`",
-        );
+        let (term, change) = (planned.term, steepest(planned));
+        let wrong = refused::steep(term, change, increment, magnification, unit_um, most);
+        self.refuse(&axis_key(term.along, ""), wrong);
     }
 
     /// Pitch parameters and data of one physical axis.
@@ -98,15 +93,8 @@ impl<'a> Writer<'a> {
             return;
         };
         if reversal.abs() > LARGEST_REVERSAL {
-            self.refuse(
-                &axis_key(run.axis, ".detection_unit_um"),
-                format!(
-                    "the reversal of axis {} at the reference is {reversal} × {unit_um} µm, more than ±{LARGEST_REVERSAL} that parameter 3627 holds",
-                    run.axis
-                ),
-                "check the measurement and `detection_unit_um`",
-            );
-            return;
+            let wrong = refused::large_reversal(run.axis, reversal, unit_um, LARGEST_REVERSAL);
+            return self.refuse(&axis_key(run.axis, ".detection_unit_um"), wrong);
         }
         self.pitch_parameters(run, magnification);
         let acts_in = |direction: Direction| {
@@ -194,14 +182,8 @@ impl<'a> Writer<'a> {
             return self.refuse_steep(set.planned, set.unit_um);
         };
         let Some(first) = self.block(set) else {
-            return self.refuse(
-                "compensation",
-                format!(
-                    "there is no room for the {} straightness data of {}",
-                    set.run.count, set.planned.term
-                ),
-                "free `reserved_points`, or use a larger spacing",
-            );
+            let wrong = refused::no_room_for_data(set.run.count, set.planned.term);
+            return self.refuse("compensation", wrong);
         };
         let of_set = |first: u32| first + set.number - 1;
         self.memory.set(
@@ -235,14 +217,7 @@ impl<'a> Writer<'a> {
         let grid = &set.run.grid;
         let most = self.facts.straightness_amount_max.value;
         let Some(fit) = best_fit(&units, grid.reference_node(), most) else {
-            return self.refuse(
-                "limits",
-                format!(
-                    "{} needs a straightness amount beyond ±{most} detection units",
-                    set.planned.term
-                ),
-                "check the measurement and `detection_unit_um`",
-            );
+            return self.refuse("limits", refused::large_amount(set.planned.term, most));
         };
         let group = 10 * (set.number - 1);
         for (index, (node, amount)) in (0..).zip(fit.nodes.iter().zip(fit.amounts)) {

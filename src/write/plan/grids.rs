@@ -4,11 +4,12 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{
     AxisSettings, GridRequest, MachineAxis, OutsideMeasured, without_grid, without_unit,
 };
-use crate::quantity::{Axis, Deviation, PerAxis, residual, table_values};
+use crate::quantity::{Axis, Deviation, Millimetres, PerAxis, residual, table_values};
 use crate::text::{Finding, Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit};
+use crate::write::refused;
 use crate::write::task::{Target, Task, axis_key};
 
 pub(super) fn grids(
@@ -49,10 +50,8 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
             problems.push(task.job.source.at(&path, without_unit(&path, &task.profile.name)));
         }
         if corrected && task.job.machine.axes[axis].is_none() {
-            let words =
-                format!("axis {axis} is corrected, but [machine.axes.{}] is missing", axis.key());
-            let help = "add travel_mm and reference_mm of this axis";
-            problems.push(task.job.problem_at("machine.axes", words).help(help));
+            let wrong = refused::corrected_axis_missing(axis, axis.key());
+            problems.push(task.job.source.at("machine.axes", wrong));
         }
     }
 }
@@ -77,8 +76,8 @@ struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    fn problem(&self, key: &str, message: String) -> Problem {
-        self.task.job.problem_at(&axis_key(self.axis, key), message)
+    fn at(&self, key: &str, wrong: Problem) -> Problem {
+        self.task.job.source.at(&axis_key(self.axis, key), wrong)
     }
 
     fn grid(&self) -> Result<Grid, Problems> {
@@ -92,9 +91,7 @@ impl Moving<'_> {
                 grid::with_spacing(task.job, *axis, *machine, settings, digit, spacing)
             }
             (_, Some((key, _))) => {
-                let words = format!("`{key}` needs a grid of stated spacing");
-                let problem = self.problem(&format!(".{key}"), words);
-                Err(problem.help("give `spacing_mm`, or leave `start_mm` and `end_mm` out").into())
+                Err(self.at(&format!(".{key}"), refused::needs_spacing(key)).into())
             }
             (GridRequest::Points(points), None) => grid::with_points(*machine, digit, points)
                 .map_err(|mut problem| {
@@ -125,21 +122,15 @@ impl Moving<'_> {
                 break;
             }
         }
-        let words = format!(
-            "no grid of up to {most} points keeps {limit_um} µm on axis {}; the best leaves {least:.3} µm",
-            self.axis
-        );
-        let problem = self.problem(".max_residual_um", words);
-        Err(problem.help("allow a larger residual, or compensate fewer terms").into())
+        let wrong = refused::no_grid(most, limit_um, self.axis, least);
+        Err(self.at(".max_residual_um", wrong).into())
     }
 
     fn too_fine(&self, grid: &Grid) -> Option<Problem> {
         let (feed, profile) = (self.machine.max_feed?, self.task.profile);
         let (least, spacing) = (family(profile).least_spacing_mm(feed), grid.spacing().mm());
-        (spacing < least).then(|| {
-            let words = format!("a spacing of {spacing} mm is below {least} mm, the smallest that {} takes at {feed} mm/min", profile.name);
-            self.problem("", words).help("use a larger spacing")
-        })
+        let wrong = || refused::small_spacing(spacing, least, &profile.name, feed);
+        (spacing < least).then(|| self.at("", wrong()))
     }
 
     /// Points beyond the travel where the control uses none.
@@ -151,28 +142,24 @@ impl Moving<'_> {
         let most = f64::from(point_limit(task.profile, targets).0);
         let travel = (machine.high - machine.low).mm();
         let spacing = grid::ending_with_travel(*machine, grid.digit, grid.spacing().mm());
-        let help = match spacing.filter(|spacing| travel / spacing + 1.0 <= most + 0.5) {
-            Some(spacing) => {
-                format!("`spacing_mm = {spacing}` has points at both ends of the travel and none beyond")
-            }
-            None => "no spacing has points at both ends of this travel: state as `travel_mm` ends that lie whole spacings from the reference point, which lies between them".to_string(),
-        };
-        let words = format!(
-            "the table of axis {axis} would have points beyond the travel, and {} uses none there",
-            task.profile.name
-        );
-        Some(self.problem("", words).help(help))
+        let spacing = spacing.filter(|spacing| travel / spacing + 1.0 <= most + 0.5);
+        let name = &task.profile.name;
+        Some(self.at(
+            "",
+            match spacing {
+                Some(spacing) => refused::beyond_with_spacing(axis, name, spacing),
+                None => refused::beyond(axis, name),
+            },
+        ))
     }
 
     fn unmeasured(&self, grid: &Grid) -> Option<Problem> {
         let (low, high) = self.task.model.ranges[self.axis]?;
         let (first, last) = grid.range();
         let beyond = first.mm() < low.mm() - EDGE_MM || last.mm() > high.mm() + EDGE_MM;
-        (beyond && self.settings.outside == OutsideMeasured::Refuse).then(|| {
-            let words = format!("the table of axis {} runs from {} to {} mm, but only {} … {} mm was measured", self.axis, first.mm(), last.mm(), low.mm(), high.mm());
-            let help = "measure the whole travel, give `start_mm` and `end_mm`, or hold the end value with `outside = \"hold\"`";
-            self.problem(".outside", words).help(help)
-        })
+        let [first, last, low, high] = [first, last, low, high].map(Millimetres::mm);
+        (beyond && self.settings.outside == OutsideMeasured::Refuse)
+            .then(|| self.at(".outside", refused::not_measured(self.axis, first, last, low, high)))
     }
 
     fn written_spacing(&self, grid: &Grid) -> Option<TableFinding> {

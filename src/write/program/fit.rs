@@ -8,6 +8,7 @@ use crate::write::findings::RunFinding;
 use crate::write::program::RunTask;
 use crate::write::program::route::{moving, readings_of, refuse_between_digits};
 use crate::write::program::run::{MOST_READINGS, overrun_mm};
+use crate::write::refused;
 
 /// What a run is refused for, in the order in which it is told.
 pub(super) const REFUSALS: [fn(RunTask<'_>, &mut Problems); 8] = [
@@ -24,10 +25,8 @@ pub(super) const REFUSALS: [fn(RunTask<'_>, &mut Problems); 8] = [
 fn refuse_too_many_readings(task: RunTask<'_>, problems: &mut Problems) {
     let readings = readings_of(task.request);
     if readings > MOST_READINGS {
-        let words =
-            format!("one program would take {readings} readings, expected at most {MOST_READINGS}");
-        let help = "fewer runs or steps: four digits number the blocks of a program";
-        problems.push(task.job.problem_at("program", words).help(help));
+        let wrong = refused::many_readings(readings, MOST_READINGS);
+        problems.push(task.job.source.at("program", wrong));
     }
 }
 
@@ -37,11 +36,8 @@ fn refuse_feed(task: RunTask<'_>, problems: &mut Problems) {
     for axis in moving(task.request) {
         let largest = task.job.machine.axes[axis].and_then(|axis| axis.max_feed);
         if let Some(largest) = largest.filter(|largest| feed > *largest) {
-            let words = format!(
-                "the feed is {feed} mm/min, but {axis} is stated with at most {largest} mm/min"
-            );
-            let help = "write `feed_mm_per_min` with a feed that every axis reaches";
-            problems.push(task.job.problem_at("program.feed_mm_per_min", words).help(help));
+            let wrong = refused::large_feed(feed, axis, largest);
+            problems.push(task.job.source.at("program.feed_mm_per_min", wrong));
         }
     }
 }
@@ -55,11 +51,8 @@ fn refuse_shift(task: RunTask<'_>, problems: &mut Problems) {
         let step = task.request.volume.step_mm(axis);
         let shift = shift.map_or(step / 4.0, |shift| shift.mm());
         if shift >= step / 2.0 {
-            let words = format!(
-                "targets {step} mm apart on {axis} are shifted by up to {shift} mm, expected less than half the step"
-            );
-            let help = "a smaller shift, or fewer steps";
-            problems.push(task.job.problem_at("program.shift_mm", words).help(help));
+            let wrong = refused::large_shift(step, axis, shift);
+            problems.push(task.job.source.at("program.shift_mm", wrong));
         }
     }
 }
@@ -131,18 +124,14 @@ fn refuse_other_turn(task: RunTask<'_>, problems: &mut Problems) {
             "an `overrun_mm` above 0 in [program]",
         )
     };
-    let words = format!(
-        "`overrun` is {stated}, but this run {does}: its readings would be separated with the wrong reversal"
-    );
-    let problem = task.job.problem_at("measurement.step_diagonal.overrun", words);
-    problems.push(problem.help(format!("write `overrun = {over}`, or {other}")));
+    let wrong = refused::other_turn(stated, does, over, other);
+    problems.push(task.job.source.at("measurement.step_diagonal.overrun", wrong));
 }
 
 /// Not every language has numbers of programs.
 fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
     if task.request.number.is_some() && task.facts.language.facts().numbered.is_none() {
-        let words = format!("`number` is stated, but programs of `{}` have names", task.profile.id);
-        problems.push(task.job.problem_at("program.number", words).help("remove it"));
+        problems.push(task.job.source.at("program.number", refused::no_number(&task.profile.id)));
     }
 }
 
@@ -161,24 +150,16 @@ fn unchecked(task: RunTask<'_>) -> Option<RunFinding> {
 fn refuse_outside_travel(task: RunTask<'_>, problems: &mut Problems) {
     let RunTask { job, request, .. } = task;
     for axis in Axis::ALL.into_iter().filter(|axis| job.machine.axes[*axis].is_none()) {
-        let words = format!(
-            "the travel of {axis} is not stated, so nobody could tell where the program leaves it"
-        );
-        let help = format!("add [machine.axes.{}] with travel_mm and reference_mm", axis.key());
-        problems.push(job.problem_at("machine.axes", words).help(help));
+        problems.push(job.source.at("machine.axes", refused::no_travel(axis, axis.key())));
     }
     let axes = moving(request).into_iter();
     let outside: Vec<String> = axes.filter_map(|axis| outside_travel(task, axis)).collect();
     if outside.is_empty() {
         return;
     }
-    let message = format!(
-        "with {} mm of preload and {} mm of overrun the run needs {}",
-        request.preload.mm(),
-        overrun_mm(request),
-        outside.join(", ")
-    );
-    problems.push(job.problem_at(request.size_path, message).help(largest_box(task)));
+    let (preload, overrun) = (request.preload.mm(), overrun_mm(request));
+    let wrong = refused::leaves(preload, overrun, outside.join(", "), largest_box(task));
+    problems.push(job.source.at(request.size_path, wrong));
 }
 
 /// Where an axis goes that leaves its travel.
@@ -257,14 +238,8 @@ fn refuse_rest_outside(task: RunTask<'_>, problems: &mut Problems) {
         let rests = request.axes.iter().any(|moving| *moving != axis);
         let place = request.rest_of(axis);
         if rests && (place < travel.low || place > travel.high) {
-            let words = format!(
-                "{axis} would rest at {} mm, but the travel is {} … {} mm",
-                plain(place.mm()),
-                travel.low.mm(),
-                travel.high.mm()
-            );
-            let help = "write `rest_mm = { x = …, y = …, z = … }` with places inside the travel";
-            problems.push(job.problem_at("program.rest_mm", words).help(help));
+            let (at, low, high) = (plain(place.mm()), travel.low.mm(), travel.high.mm());
+            problems.push(job.source.at("program.rest_mm", refused::rests(axis, at, low, high)));
         }
     }
 }

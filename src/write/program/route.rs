@@ -6,6 +6,7 @@ use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis
 use crate::text::Problems;
 use crate::write::grid::{LengthDigit, whole};
 use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram};
+use crate::write::refused;
 
 /// The nodes of a set-up along the forward path.
 struct Route {
@@ -24,7 +25,7 @@ pub(super) fn programs(request: &ProgramRequest, scale: &Scale) -> Vec<SetUpProg
             .into_iter()
             .map(|diagonal| along_diagonal(request, scale, diagonal, kind))
             .collect(),
-        None => request.axes.iter().map(|axis| along_axis(scale, *axis)).collect(),
+        None => request.axes.iter().map(|axis| along_axis(request, scale, *axis)).collect(),
     };
     let program = |route| {
         let here = PerAxis::default();
@@ -60,8 +61,8 @@ fn along_diagonal(
     }
 }
 
-fn along_axis(scale: &Scale, axis: Axis) -> Route {
-    let targets = &scale.targets[axis];
+fn along_axis(request: &ProgramRequest, scale: &Scale, axis: Axis) -> Route {
+    let targets = targets(request, scale, axis);
     let first = targets.first().copied().unwrap_or(0);
     let place = |target: &Digits| {
         PerAxis::from_fn(|other| if other == axis { *target } else { scale.rest[other] })
@@ -192,7 +193,6 @@ pub(super) struct Scale {
     pub(super) rest: PerAxis<Digits>,
     pub(super) preload: Digits,
     pub(super) overrun: Digits,
-    pub(super) targets: PerAxis<Vec<Digits>>,
 }
 
 impl Scale {
@@ -207,7 +207,6 @@ impl Scale {
             rest: PerAxis::from_fn(|axis| resolution.nearest(request.rest_of(axis).mm())),
             preload: resolution.at_least(request.preload.mm()),
             overrun: resolution.at_least(request.overrun.mm()),
-            targets: PerAxis::from_fn(|axis| targets(request, resolution, axis)),
         }
     }
 }
@@ -220,14 +219,10 @@ pub(super) fn refuse_between_digits(task: RunTask<'_>, problems: &mut Problems) 
     for axis in Axis::ALL.into_iter().filter(|axis| moving(request).contains(axis)) {
         let mm = request.volume.start[axis].mm();
         if resolution.digits(mm).is_none() {
-            let words = format!(
-                "the start of {axis} is {} mm, expected a multiple of {}, the last digit of a position",
-                Figure(mm).trimmed(6),
-                resolution.words()
-            );
-            let problem = task.job.problem_at(&format!("{path}.{}", axis.key()), words);
-            let nearest = Figure(resolution.mm(resolution.nearest(mm))).trimmed(6);
-            problems.push(problem.help(format!("the nearest is {nearest} mm")));
+            let [start, nearest] =
+                [mm, resolution.mm(resolution.nearest(mm))].map(|mm| Figure(mm).trimmed(6));
+            let wrong = refused::start_between(axis, start, resolution.words(), nearest);
+            problems.push(task.job.source.at(&format!("{path}.{}", axis.key()), wrong));
         }
     }
     for axis in Axis::ALL {
@@ -247,15 +242,10 @@ fn refuse_step(task: RunTask<'_>, axis: Axis, problems: &mut Problems) {
     let below = resolution.at_most(step).max(1);
     let mm = |digits| Figure(resolution.mm(digits)).trimmed(6);
     let nearest = mm(below * i64::try_from(steps).unwrap_or(1));
-    let words = format!(
-        "{} mm of {axis} in {steps} steps are {step:.6} mm each, expected a multiple of {}, the last digit of a position",
-        Figure(size).trimmed(6),
-        resolution.words()
-    );
-    let problem = task.job.problem_at(&format!("{}.{}", request.size_path, axis.key()), words);
-    let below = mm(below);
-    problems
-        .push(problem.help(format!("the nearest below is {nearest} mm ({steps} x {below} mm)")));
+    let (size, digit, below) = (Figure(size).trimmed(6), resolution.words(), mm(below));
+    let wrong = refused::step_between(size, axis, steps, step, digit, nearest, below);
+    let key = format!("{}.{}", request.size_path, axis.key());
+    problems.push(task.job.source.at(&key, wrong));
 }
 
 /// Golden section: its multiples fill an interval evenly.
@@ -264,14 +254,12 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Targets of one axis, ascending. Offset targets: Pi = start + i·p + r_i with
 /// r_i = a·(2·frac(g·(i + 1)) − 1), g = 0.618…, a = the largest shift; the first is shifted inwards by
 /// |r_0|, the last by |r_n|, so all lie in the box. The shifts are the same in every version.
-fn targets(request: &ProgramRequest, resolution: LengthDigit, axis: Axis) -> Vec<Digits> {
+fn targets(request: &ProgramRequest, scale: &Scale, axis: Axis) -> Vec<Digits> {
     let volume = &request.volume;
     let last = volume.steps;
     let TargetGrid::Offset { shift } = request.targets else {
-        let start = resolution.nearest(volume.start[axis].mm());
-        let step = resolution.nearest(volume.step_mm(axis));
         let counts = 0..=i64::try_from(last).unwrap_or(0);
-        return counts.map(|count| start + count * step).collect();
+        return counts.map(|count| scale.start[axis] + count * scale.step[axis]).collect();
     };
     let largest = shift.map_or(volume.step_mm(axis) / 4.0, |shift| shift.mm());
     let of_index = |index: usize| {
@@ -282,7 +270,8 @@ fn targets(request: &ProgramRequest, resolution: LengthDigit, axis: Axis) -> Vec
             index if index == last => -shift.abs(),
             _ => shift,
         };
-        resolution.nearest(volume.start[axis].mm() + volume.along_mm(axis, index) + shift)
+        let place = volume.start[axis].mm() + volume.along_mm(axis, index) + shift;
+        scale.resolution.nearest(place)
     };
     (0..=last).map(of_index).collect()
 }

@@ -7,6 +7,7 @@ use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis
 use crate::text::{Finding, Problem, joined};
 use crate::write::control_text::with_point;
 use crate::write::grid::{LengthDigit, as_number, whole};
+use crate::write::refused;
 
 /// A length as a number of the control's last digits.
 pub type Digits = i64;
@@ -149,22 +150,14 @@ impl<'a> RunTask<'a> {
 }
 
 fn no_section(job: &Job) -> Problem {
-    job.problem_at("program", "the job has no section [program], so there is no run to write programs for")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `\"straight-diagonal\"` or `\"single-axis\"` (docs/measuring.md); `nonius new … --readings` writes one")
+    job.source.at("program", refused::no_run())
 }
 
 fn no_language(job: &Job, profile: &Profile) -> Problem {
     let known = builtin::ids()
         .into_iter()
         .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
-    job.problem_at(
-        "compensation.controller",
-        format!("`{}` says nothing about part programs, so none can be written", profile.id),
-    )
-    .help(format!(
-        "choose the control that will run the program: {}; or a profile of your own with [program]",
-        joined(known)
-    ))
+    job.source.at("compensation.controller", refused::no_language(&profile.id, joined(known)))
 }
 
 impl MeasuringRun {
@@ -246,14 +239,15 @@ pub(super) fn needed(request: &ProgramRequest) -> Option<MirrorSize> {
     let from_start =
         |node: usize| volume.inside_mm(Diagonal::Ppp, PathKind::Step, node).minus(start);
     let beyond = |mm: f64| PerAxis { x: mm, y: mm, z: mm }; // PPP goes ahead on every axis
-    let plane = Plane::across(volume.laser(Diagonal::Ppp));
-    let spots = [
-        plane.spot(from_start(0)),
-        plane.spot(from_start(1)),
-        plane.spot(from_start(2)),
-        plane.spot(beyond(-request.preload.mm())),
-        plane.spot(beyond(overrun_mm(request))),
+    let plane = across(volume.laser(Diagonal::Ppp));
+    let places = [
+        from_start(0),
+        from_start(1),
+        from_start(2),
+        beyond(-request.preload.mm()),
+        beyond(overrun_mm(request)),
     ];
+    let spots = places.map(|place| plane.map(|across| across.dot(place)));
     let distances = spots.map(|spot| distance(spot, spots[0]));
     Some(MirrorSize {
         excursion_mm: [distances[1], distances[2]],
@@ -268,26 +262,14 @@ pub(super) fn overrun_mm(request: &ProgramRequest) -> f64 {
 }
 
 /// Two directions across the beam.
-struct Plane {
-    across: [PerAxis<f64>; 2],
-}
-
-impl Plane {
-    fn across(beam: PerAxis<f64>) -> Plane {
-        // Any direction that is not the beam's; that of its smallest component is safest.
-        let smallest = Axis::ALL
-            .into_iter()
-            .min_by(|a, b| beam[*a].abs().total_cmp(&beam[*b].abs()))
-            .unwrap_or(Axis::X);
-        let first = beam.cross(unit(smallest));
-        let length = first.length();
-        let first = PerAxis::from_fn(|axis| first[axis] / length);
-        Plane { across: [first, beam.cross(first)] }
-    }
-
-    fn spot(&self, place: PerAxis<f64>) -> Spot {
-        self.across.map(|across| across.dot(place))
-    }
+fn across(beam: PerAxis<f64>) -> [PerAxis<f64>; 2] {
+    // Any direction that is not the beam's; that of its smallest component is safest.
+    let by_size = |a: &Axis, b: &Axis| beam[*a].abs().total_cmp(&beam[*b].abs());
+    let smallest = Axis::ALL.into_iter().min_by(by_size).unwrap_or(Axis::X);
+    let first = beam.cross(unit(smallest));
+    let length = first.length();
+    let first = PerAxis::from_fn(|axis| first[axis] / length);
+    [first, beam.cross(first)]
 }
 
 fn distance(a: Spot, b: Spot) -> f64 {

@@ -10,7 +10,7 @@
 //! is the step of the curve in its section, seen from − to +.
 
 use super::parameters::{Loading, Run, name};
-use crate::control::controller::{ControlUnit, IntervalForm, NumberRange, StraightnessForm};
+use crate::control::controller::{IntervalForm, NumberRange, StraightnessForm};
 use crate::control::table::fanuc::ParameterValue;
 use crate::quantity::{Correction, Direction, Millimetres, power_of_ten};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response, cannot};
@@ -106,10 +106,7 @@ fn interval(from: Loading, axis: u32) -> Emulated<Millimetres> {
         (IntervalForm::Real, Some(ParameterValue::Real(length))) => length,
         (IntervalForm::Real, Some(_)) => return cannot(format!("{what} has no decimal point")),
         (IntervalForm::Integer, Some(_)) => {
-            let decimals = match from.state.unit {
-                ControlUnit::Millimetre => facts.interval_decimals_mm.value,
-                ControlUnit::Inch => facts.interval_decimals_inch.value,
-            };
+            let decimals = facts.interval_decimals(from.state.unit);
             f64::from(from.count(3624, Some(axis), u32::MAX)?) / power_of_ten(decimals)
         }
     };
