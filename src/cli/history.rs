@@ -8,6 +8,7 @@
 //! breaks or a file was changed.
 
 use crate::cli::outcome::{Outcome, Print};
+use crate::cli::refusals;
 use crate::cli::screen::Screen;
 use crate::control::controller::Role;
 use crate::judge::active::faults;
@@ -99,14 +100,11 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
     let bytes = files.bytes(&directory.join(MANIFEST)).map_err(|problem| {
         match files.names(directory).map_err(|error| error.kind()) {
             Err(ErrorKind::PermissionDenied) => problem,
-            Err(ErrorKind::NotFound) => {
-                Problem::new(format!("`{name}` cannot be read: it does not exist"))
-            }
-            _ => Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")),
+            Err(ErrorKind::NotFound) => refusals::absent_kit(&name),
+            _ => refusals::no_kit(&name, MANIFEST),
         }
     })?;
-    let manifest: Value = json_page(&bytes)
-        .map_err(|error| Problem::new(format!("manifest.json of `{name}` is damaged: {error}")))?;
+    let manifest: Value = json_page(&bytes).map_err(|error| refusals::damaged_kit(&name, error))?;
     let read = |name: &str| {
         let place = directory.join(name);
         match files.bytes(&place) {

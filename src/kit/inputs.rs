@@ -7,12 +7,13 @@ use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
 use crate::judge::forecast::{Forecast, Machine};
+use crate::kit::refusals;
 use crate::kit::visit_plan::Judged;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::{Finding, Problem, Problems, Severity, grouped, joined, sha256};
+use crate::text::{Finding, Problems, Severity, grouped, joined, sha256};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task, plan};
 use serde::Serialize;
@@ -197,10 +198,10 @@ impl Asked<'_> {
 }
 
 /// Tables whose effect the semantics do not tell.
-pub(crate) fn cannot_emulate(reason: &CannotEmulate) -> Problems {
-    Problem::new(format!("the tables cannot be emulated: {}", reason.0))
-        .help("nothing is written, because no forecast could be given")
-        .into()
+impl From<CannotEmulate> for Problems {
+    fn from(reason: CannotEmulate) -> Problems {
+        refusals::not_emulated(reason.0).into()
+    }
 }
 
 /// Terms without a table, parts of the travel that were not measured, figures that become worse,

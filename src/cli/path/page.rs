@@ -2,6 +2,7 @@
 //! whole or not at all) and the worst of the holes that canned cycles drill.
 
 use crate::cli::outcome::Output;
+use crate::cli::refusals;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::kit::Inputs;
@@ -49,11 +50,7 @@ impl Page {
 /// What was found along the path of a program on one machine.
 pub(super) fn found(profile: Profile<'_>, program: &str) -> Result<Summary, Problem> {
     let summary = profile.summary();
-    if summary.samples == 0 {
-        return Err(Problem::new(format!("`{program}` holds no move that counts"))
-            .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
-    }
-    Ok(summary)
+    if summary.samples == 0 { Err(refusals::no_move(program)) } else { Ok(summary) }
 }
 
 fn largest_um(of: &Summary) -> f64 {

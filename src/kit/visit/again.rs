@@ -4,8 +4,9 @@ use super::{Begun, COMMENTS, error_table, quoted, table_name};
 use crate::control::controller::JobKey;
 use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{ActiveTables, Job, Linear, LinearSlope, UseOf};
+use crate::kit::refusals;
 use crate::quantity::{Axis, Plane};
-use crate::text::{Problem, Problems, Source, header_and_rows, line};
+use crate::text::{Problems, Source, header_and_rows, line};
 use std::ops::Range;
 
 /// Decisions and values of the earlier day that a new kit may not take over unseen.
@@ -147,13 +148,7 @@ impl Earlier<'_> {
         match read {
             Ok(job) if is_new(&job) => Ok(text),
             Err(problems) if !self.held.is_empty() => Err(problems),
-            _ => {
-                let name = &self.job.source.name;
-                let words = format!("`{name}` is laid out in a way that cannot be carried over");
-                let help =
-                    "copy it, write `active_while_measuring` and empty what belonged to that day";
-                Err(Problem::new(words).help(help).into())
-            }
+            _ => Err(refusals::other_layout(&self.job.source.name).into()),
         }
     }
 }

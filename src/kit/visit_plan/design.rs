@@ -8,6 +8,7 @@ use crate::inputs::job::{
 };
 use crate::judge::after::alone;
 use crate::judge::forecast::Forecast;
+use crate::kit::refusals;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
@@ -281,10 +282,7 @@ fn ensure_axes(job: &Job) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if job.machine.axes[axis].is_none() {
-            let words =
-                format!("{axis} is to be measured, but [machine.axes.{}] is missing", axis.key());
-            let problem = job.problem_at("machine.axes", words);
-            problems.push(problem.help("add travel_mm and reference_mm of this axis"));
+            problems.push(job.source.at("machine.axes", refusals::no_axis(axis, axis.key())));
         }
     }
     problems.or_ok(())
@@ -295,8 +293,7 @@ fn no_run(job: &Job) -> Problem {
         Some(_) => "program.what",
         None => "measurement",
     };
-    job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/measuring.md); `nonius new … --readings` writes them")
+    job.source.at(key, refusals::no_run())
 }
 
 /// The forecast of the error table that `separate` would write, as if no table were loaded.
