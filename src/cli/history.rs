@@ -59,7 +59,6 @@ struct Link {
 /// What scripts read.
 #[derive(Serialize)]
 struct Chain {
-    schema: u32,
     kits: Vec<Link>,
     /// `first`: the first kit follows nothing. `read-out`: files that were read out of the control.
     /// `broken`: a predecessor that is not found, or is another one.
@@ -72,8 +71,7 @@ struct Chain {
 fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
     let help = "name the directory of a kit, as `nonius generate` wrote it";
     let first = read_link(files, directory).map_err(|problem| problem.help(help))?;
-    let mut chain =
-        Chain { schema: 1, kits: vec![first], end: "first", broken: None, read_out: None };
+    let mut chain = Chain { kits: vec![first], end: "first", broken: None, read_out: None };
     loop {
         let link = &chain.kits[chain.kits.len() - 1];
         let predecessor = &link.predecessor;

@@ -88,7 +88,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let names: Vec<&str> =
         std::iter::once(JOB).chain(begun.tables.iter().map(|(name, _)| name.as_str())).collect();
     let next: Vec<&String> = stages.iter().flat_map(|(_, commands)| commands).collect();
-    let document = json!({ "schema": 1, "controller": profile.id, "files": names,
+    let document = json!({ "controller": profile.id, "files": names,
         "steps": begun.steps, "next": next });
     let screen = Screen {
         always: words,

@@ -41,6 +41,15 @@ impl Print {
         screen: impl FnOnce() -> Screen,
         document: impl FnOnce() -> D,
     ) -> Result<Outcome, Problems> {
+        self.as_it_is(screen, || Versioned { schema: 1, document: document() })
+    }
+
+    /// The same of a document that states the version of its form itself.
+    pub(super) fn as_it_is<D: Serialize>(
+        self,
+        screen: impl FnOnce() -> Screen,
+        document: impl FnOnce() -> D,
+    ) -> Result<Outcome, Problems> {
         match self.format {
             Format::Text => Ok(Outcome::text(&screen().page(self.detail))),
             Format::Json => Outcome::json(&document()),
@@ -233,6 +242,14 @@ impl Outcome {
             printed => printed,
         }
     }
+}
+
+/// A document for scripts, which begins with the version of its form.
+#[derive(Serialize)]
+struct Versioned<D> {
+    schema: u32,
+    #[serde(flatten)]
+    document: D,
 }
 
 /// A document without what is not known.

@@ -79,7 +79,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             false => format!("verdict on the page: {word}"),
         })
     };
-    let document = || Document { schema: 1, verdict: word };
+    let document = || Document { verdict: word };
     let outcome = options.output.deliver(files, Some(content), screen, document, "")?;
     Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
 }
@@ -87,7 +87,6 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// What scripts read.
 #[derive(Serialize)]
 struct Document {
-    schema: u32,
     verdict: &'static str,
 }
 

@@ -159,7 +159,6 @@ pub(super) fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -
     });
     let diagonals = (&of.volume, &of.end_um, Some(of.runs.as_slice()), None);
     Known(json!({
-        "schema": 1,
         "errors": entries(of),
         "squareness_um_per_m": metric.squareness_um_per_m(),
         "u_squareness_um_per_m": u_squareness.map(|u| Some(u?.u)),
@@ -204,7 +203,6 @@ pub(super) fn of_straight(
     let scales = |found: &dyn Fn(Axis) -> Option<f64>| Known(PerAxis::from_fn(found));
     let diagonals = (&of.volume, &of.end_um, None, of.closure.as_ref());
     Known(json!({
-        "schema": 1,
         "squareness_um_per_m": metric.squareness_um_per_m(),
         "u_squareness_um_per_m": metric.u_squareness().map(|u| Some(u?.u)),
         "redundancy": of.agreement,

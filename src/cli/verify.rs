@@ -59,7 +59,6 @@ pub(super) struct Page<'a> {
 /// What scripts read.
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
-    schema: u32,
     verdict: &'static str,
     scope: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -333,7 +332,6 @@ impl Page<'_> {
         let diagonal =
             |of: &DiagonalForecast| (of.diagonal.to_string(), Figures::forecast(&of.change, false));
         let page = Document {
-            schema: 1,
             verdict: self.verdict().word(),
             scope: scope.chain(self.always()).collect(),
             after: None,

@@ -95,21 +95,15 @@ impl Inputs {
         })
     }
 
-    /// Adds the angular errors of a table of their own (`measurement.angles`).
-    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
-        self.model.add_angles(&self.job, table)?;
-        self.angles = Some(table.clone());
-        Ok(self)
-    }
-
-    /// Adds what was measured apart and what was active meanwhile, where there is any.
+    /// Adds what was measured apart (`measurement.angles`) and what was active meanwhile, where there is any.
     pub(crate) fn with(
         mut self,
         angles: Option<&ErrorTable>,
         active: Option<ActiveControl>,
     ) -> Result<Inputs, Problems> {
-        if let Some(angles) = angles {
-            self = self.with_angles(angles)?;
+        if let Some(table) = angles {
+            self.model.add_angles(&self.job, table)?;
+            self.angles = Some(table.clone());
         }
         match active {
             Some(active) => self.with_active(active),

@@ -109,7 +109,6 @@ impl Page {
 /// What scripts read.
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
-    schema: u32,
     machine: &'a str,
     program: &'a str,
     blocks: u64,
@@ -127,7 +126,6 @@ pub(super) struct Document<'a> {
 impl Page {
     pub(super) fn document(&self) -> Document<'_> {
         Document {
-            schema: 1,
             machine: &self.inputs.job.machine.name,
             program: &self.program,
             blocks: self.ran.blocks,

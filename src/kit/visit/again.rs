@@ -6,6 +6,7 @@ use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{ActiveTables, Job, Linear, LinearSlope, UseOf};
 use crate::kit::refusals;
 use crate::quantity::{Axis, Plane};
+use crate::read::file_name;
 use crate::text::{Problems, Source, header_and_rows, line};
 use std::ops::Range;
 
@@ -124,7 +125,7 @@ impl Earlier<'_> {
             let key = |key: &str| format!("{RUN}.linear[{index}].{key}");
             page.set(&key("slope_um_per_m"), quoted(""));
             if let LinearSlope::Errors(path) = &linear.slope {
-                page.set(&key("errors"), quoted(&file_name(path)));
+                page.set(&key("errors"), quoted(file_name(path)));
             }
         }
         for index in 0..how.beams.len() {
@@ -197,10 +198,6 @@ impl Page<'_> {
         }
         text
     }
-}
-
-fn file_name(path: &str) -> String {
-    path.rsplit(['/', '\\']).next().unwrap_or(path).to_string()
 }
 
 /// The measured positions of a table, without values.
