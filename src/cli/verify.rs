@@ -95,10 +95,6 @@ enum Figures<'a> {
     Compared(&'a ComparedLine),
 }
 
-fn read_from(directory: &str) -> String {
-    format!("tables read from {}", printed(Path::new(directory)))
-}
-
 impl<'a> Page<'a> {
     /// The files of a directory, and of a measurement with them active.
     pub(super) fn read(
@@ -255,13 +251,14 @@ impl Page<'_> {
     fn head(&self) -> Vec<String> {
         let disagreements = self.verification.disagreements();
         let directory = self.verification.loaded.directory.as_deref();
-        let (agreement, tables) = match (directory, disagreements.as_slice()) {
-            (None, _) => (None, "its tables by this job, in no file".to_string()),
-            (Some(from), []) => (Some("job and tables agree".to_string()), read_from(from)),
-            (Some(from), differences) => {
-                (Some(list("job and tables DISAGREE:", differences)), read_from(from))
-            }
+        let tables = match directory {
+            None => "its tables by this job, in no file".to_string(),
+            Some(from) => format!("tables read from {}", printed(Path::new(from))),
         };
+        let agreement = directory.map(|_| match disagreements.as_slice() {
+            [] => "job and tables agree".to_string(),
+            differences => list("job and tables DISAGREE:", differences),
+        });
         let verdict = show::verdict(
             self.verdict(),
             &self.inputs.job,
