@@ -18,6 +18,7 @@ mod outcome;
 mod path;
 mod plan;
 mod program;
+mod refusals;
 mod report;
 mod screen;
 mod separate;
@@ -28,7 +29,7 @@ mod verify;
 #[cfg(feature = "disk")]
 mod write;
 
-use crate::text::{Problem, Problems};
+use crate::text::Problems;
 use crate::visit::files::{Files, printed};
 #[cfg(feature = "disk")]
 pub use batch::Answered;
@@ -262,8 +263,7 @@ fn execute(command: Command, files: &dyn Files, out: &mut dyn Write) -> Result<O
 fn manual() -> Result<Outcome, Problems> {
     let mut page = Vec::new();
     let man = clap_mangen::Man::new(Arguments::command());
-    let refuse = |error| Problem::new(format!("the manual page cannot be made: {error}"));
-    man.render(&mut page).map_err(refuse)?;
+    man.render(&mut page).map_err(refusals::no_manual)?;
     Ok(Outcome::bytes(page))
 }
 
@@ -286,8 +286,7 @@ struct Page {
 }
 
 fn page(options: &Page, files: &dyn Files) -> Result<Outcome, Problems> {
-    let missing = "this program was built without the page; a released one holds it, or one built as packaging/README.md says";
-    let (page, place) = (PAGE.ok_or_else(|| Problem::new(missing))?, &options.output);
+    let (page, place) = (PAGE.ok_or_else(refusals::no_page)?, &options.output);
     if place == Path::new("-") {
         return Ok(Outcome::bytes(page.to_vec()));
     }

@@ -3,4 +3,5 @@
 pub mod files;
 pub(crate) mod inputs;
 pub(crate) mod job_files;
+pub(crate) mod refusals;
 pub(crate) mod second;

@@ -4,6 +4,7 @@ mod page;
 mod text;
 
 use crate::cli::outcome::{Outcome, Shows, positive};
+use crate::cli::refusals;
 use crate::inputs::job::UseOf;
 use crate::inputs::kind::FileKind;
 use crate::kit::{Inputs, Loaded, generate};
@@ -141,18 +142,13 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
             take_chain(&mut inputs, options.chain)?;
             inputs
         }
-        _ if options.tables.is_any() => return Err(names_no_control(&file).into()),
+        _ if options.tables.is_any() => return Err(refusals::names_no_control(&file.name).into()),
         _ => inputs::of_table(&file, file.name.clone(), options.chain)?,
     };
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
     let corrected = options.tables.corrected(files, &inputs, &volume)?;
     Ok(Page::of(&inputs, volume, corrected, options.grid, &request)?)
-}
-
-fn names_no_control(file: &Given<'_>) -> Problem {
-    let words = "is an error table, which names no control: tables cannot be read or made for it";
-    Problem::new(format!("`{}` {words}", file.name)).help("give the job that names it")
 }
 
 /// Nodes of each axis in a report: enough for its pictures.
@@ -174,11 +170,7 @@ fn take_chain(inputs: &mut Inputs, stated: Option<Chain>) -> Result<(), Problem>
     if let (Some(own), Some(other)) = (own, stated)
         && own != other
     {
-        let words = format!("the job states the chain {own}, `--chain` says {other}");
-        return Err(inputs
-            .job
-            .problem_at("machine.chain", words)
-            .help("leave `--chain` out, or correct the job"));
+        return Err(inputs.job.source.at("machine.chain", refusals::other_chain(own, other)));
     }
     inputs.job.machine.chain = own.or(stated);
     Ok(())
@@ -192,20 +184,12 @@ fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
             && counts[axis] == 1
             && length > 0.0
         {
-            return Err(Problem::new(format!(
-                "`--grid` has one node in {axis}, but {axis} is judged over {} mm, of which one place says nothing",
-                text::short(length)
-            ))
-            .help("give at least 2 nodes, or leave `--grid` out: the nodes are then those of the measurement"));
+            return Err(refusals::one_node(axis, text::short(length)));
         }
     }
     for (axis, length) in lengths {
         if let Some(size) = options.window.map(|size| size[axis]).filter(|size| *size > length) {
-            return Err(Problem::new(format!(
-                "the sub-volume is {size} mm long in {axis}, but the volume only {} mm",
-                text::short(length)
-            ))
-            .help("give the size of a part that fits, in mm, as X,Y,Z"));
+            return Err(refusals::large_window(axis, size, text::short(length)));
         }
     }
     Ok(())

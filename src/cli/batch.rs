@@ -9,6 +9,7 @@
 //! and nowhere else, so a line that is answered again changes nothing. Files that it does not hold are read from disk.
 
 use crate::cli::outcome::{Answer, Outcome, is_reader_gone};
+use crate::cli::refusals;
 use crate::quantity::Figure;
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems, sha256, shown};
 use crate::visit::files::{Files, Memory, not_put_out, plain_words, printed};
@@ -48,7 +49,7 @@ pub(super) fn run(
     out: &mut dyn Write,
 ) -> Result<Outcome, Problems> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
-    let pool = pool.map_err(|error| Problem::new(format!("cannot work at once: {error}")))?;
+    let pool = pool.map_err(refusals::no_pool)?;
     let mut questions = Questions::open(&options.questions)?;
     let mut all_yes = true;
     let place = options.output.as_deref().filter(|place| *place != Path::new("-"));
@@ -58,10 +59,7 @@ pub(super) fn run(
             all_yes = were_yes;
             Some(file)
         }
-        None if options.resume => {
-            let words = "answers on standard output cannot be gone on with";
-            return Err(Problem::new(words).help("name their file with `-o`").into());
-        }
+        None if options.resume => return Err(refusals::no_answers_to_resume().into()),
         Some(place) => Some(File::create_new(place).map_err(|e| {
             at(place, &e).help("choose another name, or `--resume` where the run was interrupted")
         })?),
@@ -172,14 +170,11 @@ fn resumed(place: &Path, questions: &mut Questions) -> Result<(File, bool), Prob
             line.starts_with(head.as_bytes()) || head.as_bytes().starts_with(&line)
         });
         if !begins {
-            let number = questions.read;
-            let words = match next {
-                Some(_) => {
-                    format!("line {number} of `{}` answers another question", printed(place))
-                }
-                None => format!("`{}` has more answers than there are questions", printed(place)),
-            };
-            return Err(Problem::new(words).help("name the file that this run wrote, or a new one"));
+            let file = printed(place);
+            return Err(match next {
+                Some(_) => refusals::other_question(questions.read, file),
+                None => refusals::more_answers(file),
+            });
         }
         if !line.ends_with(b"\n") {
             break;
@@ -277,13 +272,10 @@ pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>, run: Run) -> An
 }
 
 fn asked(question: &[u8]) -> Result<Question, Problem> {
-    let asked = match question.len() as u64 >= LONGEST {
-        true => Err(format!("the line holds {LARGEST_FILE_MIB} MiB or more")),
-        false => serde_json::from_slice(question)
-            .map_err(|error| format!("this is not a question: {error}")),
-    };
-    let help = "a question is one line of JSON; see `nonius batch` in docs/interface.md";
-    asked.map_err(|words| Problem::new(words).help(help))
+    match question.len() as u64 >= LONGEST {
+        true => Err(refusals::long_question()),
+        false => serde_json::from_slice(question).map_err(refusals::no_question),
+    }
 }
 
 fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) -> Answered {
@@ -313,8 +305,7 @@ fn memory(
         Some(Page::Text(path)) => Some(path),
         Some(sections) => {
             if files.insert(JOB.to_string(), sections).is_some() {
-                let words = format!("`{JOB}` is `job`, and stands among `files`, too");
-                return Err(Problem::new(words).help("call the other one differently"));
+                return Err(refusals::two_jobs(JOB));
             }
             Some(JOB.to_string())
         }
@@ -326,7 +317,7 @@ fn memory(
             Page::Text(text) => text.into_bytes(),
             Page::Bytes(bytes) => bytes,
             Page::Parts(sections) if name.ends_with(".toml") => toml::to_string(&sections)
-                .map_err(|error| Problem::new(format!("`{name}` is no job: {error}")))?
+                .map_err(|error| refusals::no_job(&name, error))?
                 .into_bytes(),
             Page::Parts(columns) => table(&name, &columns)?.into_bytes(),
         };
@@ -337,12 +328,11 @@ fn memory(
 
 /// Columns as a table (CSV); `null` = an empty cell. `remarks` are its comments.
 fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
-    let wrong = |what: &str| Problem::new(format!("`{name}`: {what}"));
     let mut text = String::new();
     let (mut names, mut lists) = (Vec::new(), Vec::new());
     for (column, values) in columns {
         let values = values.as_array();
-        let values = values.ok_or_else(|| wrong("every column is a list of numbers or words"))?;
+        let values = values.ok_or_else(|| refusals::no_column(name))?;
         let cells = values.iter().map(|value| match value {
             Value::Null => String::new(),
             Value::String(text) => text.clone(),
@@ -356,14 +346,14 @@ fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
         }
         let is_odd = |cell: &&String| cell.contains([',', ';', '"', '#', '\n', '\r']);
         if let Some(cell) = cells.iter().chain([column]).find(is_odd) {
-            return Err(wrong(&format!("`{}` cannot stand in a cell", shown(cell))));
+            return Err(refusals::no_cell(name, shown(cell)));
         }
         names.push(column.as_str());
         lists.push(cells);
     }
     let rows = lists.first().map_or(0, Vec::len);
     if lists.iter().any(|list| list.len() != rows) {
-        return Err(wrong("its columns are not of one length"));
+        return Err(refusals::uneven_columns(name));
     }
     text += &(names.join(",") + "\n");
     for row in 0..rows {

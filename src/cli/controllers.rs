@@ -74,7 +74,7 @@ pub(super) fn run(command: Option<&Command>, files: &dyn Files) -> Result<Outcom
 fn list(print: Print) -> Result<Outcome, Problems> {
     let profiles = builtin::ids().into_iter().map(builtin::profile);
     let profiles: Vec<Profile> = profiles.collect::<Result<_, _>>()?;
-    let list = List { schema: 1, controllers: profiles.iter().map(Summary::of).collect() };
+    let list = List { controllers: profiles.iter().map(Summary::of).collect() };
     let rows = list.controllers.iter().zip(&profiles).map(|(of, profile)| {
         let Summary { id, name, manual, assumed, executed, .. } = of;
         format!("{id}\t{name}\t{}\t{manual}\t{assumed}\t{executed}", profile.statements.len())
@@ -85,7 +85,6 @@ fn list(print: Print) -> Result<Outcome, Problems> {
 
 #[derive(Serialize)]
 struct List<'a> {
-    schema: u32,
     controllers: Vec<Summary<'a>>,
 }
 
@@ -123,7 +122,7 @@ fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome
         };
         return Ok(Outcome::text(&page));
     }
-    print.outcome(|| Screen::of(profile_text(&profile)), || Document::of(&profile))
+    print.as_it_is(|| Screen::of(profile_text(&profile)), || Document::of(&profile))
 }
 
 /// A profile, as scripts read it.
@@ -254,33 +253,11 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
         profile.id,
         kit.files.len()
     );
-    let outcome = print.outcome(|| Screen::of(files_text(&profile)), || Document::of(&profile))?;
+    let outcome = print.as_it_is(|| Screen::of(files_text(&profile)), || Document::of(&profile))?;
     Ok(outcome.saying(print.detail, valid))
 }
 
-const SAMPLE_JOB: &str = r#"
-schema = 1
-[machine]
-name = "sample"
-axes.x = { travel_mm = [0, 200], reference_mm = 0, reference_direction = "+" }
-axes.y = { travel_mm = [0, 200], reference_mm = 0 }
-axes.z = { travel_mm = [-200, 0], reference_mm = 0 }
-[measurement]
-errors = "errors.csv"
-active_while_measuring = "none"
-[program]
-what = "step-diagonal"
-start_mm = { x = 10, y = 10, z = -190 }
-size_mm = { x = 180, y = 180, z = 180 }
-steps = 2
-order = "XYZ"
-[compensation]
-controller = "generic"
-backlash = "two-tables"
-axes.x = { points = 5, detection_unit_um = 1 }
-axes.y = { points = 5, detection_unit_um = 1 }
-axes.z = { points = 5, detection_unit_um = 1 }
-"#;
+const SAMPLE_JOB: &str = include_str!("../../templates/sample.toml");
 
 /// More than any sample error: their largest table is within what the control takes.
 const LARGEST_SAMPLE_UM: f64 = 8.0;

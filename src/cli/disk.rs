@@ -1,11 +1,13 @@
 //! The files of this computer; and what was read of them in this run, over which nothing is written.
 
+use crate::cli::refusals;
 use crate::cli::write::{self, Output, written};
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems};
 use crate::visit::files::{
-    Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, no_file, not_put_out, not_written,
-    printed, too_long, unreadable, written_over,
+    Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written, printed,
+    unreadable,
 };
+use crate::visit::refusals as in_files;
 use indicatif::ProgressBar;
 use std::cell::RefCell;
 use std::fs::{File, Metadata, TryLockError};
@@ -66,7 +68,8 @@ impl Disk {
                 || (input.is_directory && place.starts_with(&input.place))
         };
         let input = read.iter().find(concerns);
-        input.map_or(Ok(()), |input| Err(written_over(output, &input.name)))
+        let over = |input: &Input| Err(in_files::written_over(printed(output), &input.name));
+        input.map_or(Ok(()), over)
     }
 
     /// Opens a regular file or a pipe, without waiting for somebody who writes into it.
@@ -76,10 +79,10 @@ impl Disk {
         let refuse = |error: Error| unreadable(&what, &error);
         let metadata = std::fs::metadata(path).map_err(refuse)?;
         if metadata.is_dir() {
-            return Err(no_file(&what));
+            return Err(in_files::no_file(what));
         }
         if !metadata.is_file() && !is_pipe(&metadata) {
-            return Err(Problem::new(format!("`{name}` is no regular file")).help("name a file"));
+            return Err(refusals::not_regular(name));
         }
         let file = if metadata.is_file() { File::open(path) } else { open_pipe(path) };
         let file = file.map_err(refuse)?;
@@ -118,10 +121,7 @@ impl Files for Disk {
         let (file, metadata) = self.open(path)?;
         let bytes = bounded(&format!("`{name}`"), metadata.len(), file)?;
         if bytes.is_empty() && !metadata.is_file() {
-            return Err(Problem::new(format!(
-                "`{name}` is a pipe, and nothing was written into it"
-            ))
-            .help("name a file"));
+            return Err(refusals::empty_pipe(name));
         }
         Ok(bytes)
     }
@@ -226,8 +226,7 @@ fn locked(path: &Path) -> Result<Option<File>, Problem> {
     while cfg!(unix) {
         let Ok(file) = File::open(path) else { break };
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let message = format!("another run is filling in `{}`", printed(path));
-            return Err(Problem::new(message).help("look at what it wrote"));
+            return Err(refusals::another_run(printed(path)));
         }
         if identity_of(path.metadata()) == identity_of(file.metadata()) {
             return Ok(Some(file)); // else another run put its own there meanwhile
@@ -239,12 +238,10 @@ fn locked(path: &Path) -> Result<Option<File>, Problem> {
 /// A path in words, which has no control characters.
 fn plain_name(path: &Path) -> Result<String, Problem> {
     let name = printed(path);
-    if !name.chars().any(char::is_control) {
-        return Ok(name);
+    match name.chars().any(char::is_control) {
+        true => Err(refusals::control_character(name.escape_debug())),
+        false => Ok(name),
     }
-    let plain = name.escape_debug();
-    Err(Problem::new(format!("`{plain}` holds a control character, expected a path"))
-        .help("in a job a backslash between double quotes begins one: write `/`, or single quotes around the path"))
 }
 
 /// A path without links, also of something that does not exist yet.
@@ -305,13 +302,13 @@ fn open_pipe(path: &Path) -> std::io::Result<File> {
 fn bounded(name: &str, length: u64, input: impl Read) -> Result<Vec<u8>, Problem> {
     let limit = LARGEST_FILE_MIB << 20;
     if length > limit {
-        return Err(too_long(name));
+        return Err(in_files::too_long(name));
     }
     let expected = usize::try_from(length).unwrap_or(0);
     let mut bytes = Vec::with_capacity(expected + 1);
     input.take(limit + 1).read_to_end(&mut bytes).map_err(|error| unreadable(name, &error))?;
     if bytes.len() as u64 > limit {
-        return Err(too_long(name));
+        return Err(in_files::too_long(name));
     }
     Ok(bytes)
 }
@@ -322,11 +319,7 @@ fn spooled(name: &str, input: impl Read) -> Result<File, Problem> {
     let mut file = tempfile::tempfile().map_err(refuse)?;
     let mut input = input.take(LARGEST_PIPE_BYTES + 1);
     if std::io::copy(&mut input, &mut file).map_err(refuse)? > LARGEST_PIPE_BYTES {
-        let message = format!(
-            "{name} holds more than {} GiB, too much for a part program",
-            LARGEST_PIPE_BYTES >> 30
-        );
-        return Err(Problem::new(message).help("name the file in place of `-`"));
+        return Err(refusals::long_pipe(name, LARGEST_PIPE_BYTES >> 30));
     }
     file.rewind().map_err(refuse)?;
     Ok(file)

@@ -62,7 +62,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let next_steps = next_steps(&options.job, directory, &inputs, &kit);
     let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
-    let outcome = print.outcome(|| screen(&inputs, &kit), || &kit.manifest)?;
+    let outcome = print.as_it_is(|| screen(&inputs, &kit), || &kit.manifest)?;
     let outcome =
         options.output.deliver_files(files, outcome, own, (MANIFEST, &manifest), next_steps)?;
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
@@ -155,20 +155,18 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
 /// `--compare`: backlash policies and spacings side by side.
 fn side_by_side(inputs: &Inputs, print: Print) -> Result<Outcome, Problems> {
     let compared = compare(inputs);
-    let document = || SideBySide {
-        schema: 1,
+    let document = SideBySide {
         machine: &inputs.job.machine.name,
         controller: &inputs.profile.id,
         compared: &compared,
     };
-    let outcome = print.outcome(|| screen_of_all(inputs, &compared), document)?;
+    let outcome = print.outcome(|| screen_of_all(inputs, &compared), || document)?;
     Ok(outcome.answering(compared.first().is_some_and(passes)))
 }
 
 /// What scripts read of it.
 #[derive(Serialize)]
 struct SideBySide<'a> {
-    schema: u32,
     machine: &'a str,
     controller: &'a str,
     compared: &'a [Compared],

@@ -8,6 +8,7 @@
 //! breaks or a file was changed.
 
 use crate::cli::outcome::{Outcome, Print};
+use crate::cli::refusals;
 use crate::cli::screen::Screen;
 use crate::control::controller::Role;
 use crate::judge::active::faults;
@@ -58,7 +59,6 @@ struct Link {
 /// What scripts read.
 #[derive(Serialize)]
 struct Chain {
-    schema: u32,
     kits: Vec<Link>,
     /// `first`: the first kit follows nothing. `read-out`: files that were read out of the control.
     /// `broken`: a predecessor that is not found, or is another one.
@@ -71,8 +71,7 @@ struct Chain {
 fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
     let help = "name the directory of a kit, as `nonius generate` wrote it";
     let first = read_link(files, directory).map_err(|problem| problem.help(help))?;
-    let mut chain =
-        Chain { schema: 1, kits: vec![first], end: "first", broken: None, read_out: None };
+    let mut chain = Chain { kits: vec![first], end: "first", broken: None, read_out: None };
     loop {
         let link = &chain.kits[chain.kits.len() - 1];
         let predecessor = &link.predecessor;
@@ -99,14 +98,11 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
     let bytes = files.bytes(&directory.join(MANIFEST)).map_err(|problem| {
         match files.names(directory).map_err(|error| error.kind()) {
             Err(ErrorKind::PermissionDenied) => problem,
-            Err(ErrorKind::NotFound) => {
-                Problem::new(format!("`{name}` cannot be read: it does not exist"))
-            }
-            _ => Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")),
+            Err(ErrorKind::NotFound) => refusals::absent_kit(&name),
+            _ => refusals::no_kit(&name, MANIFEST),
         }
     })?;
-    let manifest: Value = json_page(&bytes)
-        .map_err(|error| Problem::new(format!("manifest.json of `{name}` is damaged: {error}")))?;
+    let manifest: Value = json_page(&bytes).map_err(|error| refusals::damaged_kit(&name, error))?;
     let read = |name: &str| {
         let place = directory.join(name);
         match files.bytes(&place) {

@@ -51,7 +51,6 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let imported = import::import(file.measurement(), &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
     let document = Document {
-        schema: 1,
         source: &file.hash,
         format: word(imported.format),
         output: with_slashes(place),
@@ -81,7 +80,6 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// The summary for scripts.
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: u32,
     source: &'a HashedFile,
     format: String,
     output: String,
@@ -95,7 +93,6 @@ struct Document<'a> {
 /// The same of lists that fill in a form.
 #[derive(Serialize)]
 struct OfForm<'a> {
-    schema: u32,
     format: &'static str,
     lists: Vec<&'a HashedFile>,
     stated: Named<&'static str, String>,
@@ -152,7 +149,6 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let lists: Vec<List<'_>> = given.iter().map(|(of, file)| (*of, file.measurement())).collect();
     let text = fill(&form, &lists, &options.stated)?;
     let document = OfForm {
-        schema: 1,
         format: "list",
         lists: given.iter().map(|(_, file)| &file.hash).collect(),
         stated: options.stated.given().into_iter().collect(),

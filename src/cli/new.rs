@@ -1,6 +1,7 @@
 //! `nonius new --controller ID --travel X,Y,Z -o DIR`
 
 use crate::cli::outcome::{Outcome, Output};
+use crate::cli::refusals;
 use crate::cli::screen::{Screen, shell_word};
 use crate::control::controller::{ControlUnit, Profile};
 use crate::inputs::job::{Job, MeasuredData, UseOf};
@@ -9,7 +10,7 @@ use crate::judge::findings::InControl;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
 use crate::quantity::{Figure, MM_PER_INCH, PerAxis, rounded};
-use crate::text::{Finding, LONGEST_MM, Problem, Problems, Severity, joined};
+use crate::text::{Finding, LONGEST_MM, Problems, Severity, joined};
 use crate::visit::files::{Files, Kind, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
 use crate::visit::job_files::{Given, JobFiles, profile};
@@ -87,7 +88,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let names: Vec<&str> =
         std::iter::once(JOB).chain(begun.tables.iter().map(|(name, _)| name.as_str())).collect();
     let next: Vec<&String> = stages.iter().flat_map(|(_, commands)| commands).collect();
-    let document = json!({ "schema": 1, "controller": profile.id, "files": names,
+    let document = json!({ "controller": profile.id, "files": names,
         "steps": begun.steps, "next": next });
     let screen = Screen {
         always: words,
@@ -108,10 +109,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 type Beginning = (Profile, Begun, Vec<String>);
 
 fn first(options: &Options, files: &dyn Files, directory: &Path) -> Result<Beginning, Problems> {
-    let [x, y, z] = <[Ends; 3]>::try_from(options.travel.clone()).map_err(|travel| {
-        let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
-        Problem::new(format!("`--travel` names {count} axes, expected X, Y and Z")).help(help)
-    })?;
+    let [x, y, z] = <[Ends; 3]>::try_from(options.travel.clone())
+        .map_err(|travel| refusals::travel_of_axes(travel.len()))?;
     let controller = options.controller.as_deref().unwrap_or_default();
     let (profile, _) = profile(files, controller, Path::new(""))?;
     let visit = Visit {

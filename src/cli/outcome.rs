@@ -2,10 +2,11 @@
 //! the talk. Where one of the first two fails, nothing is written.
 //! `--plot FILE` adds what was found as a picture: in English, mm and µm.
 
+use crate::cli::refusals;
 use crate::cli::screen::{Detail, Screen, spoken};
 use crate::kit::manifest;
 use crate::page::{Locale, Picture, Shown, Texts};
-use crate::text::{Problem, Problems};
+use crate::text::Problems;
 use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
 use serde::ser::Error as _;
@@ -36,6 +37,15 @@ pub(super) struct Print {
 impl Print {
     /// The screen, or the document for scripts.
     pub(super) fn outcome<D: Serialize>(
+        self,
+        screen: impl FnOnce() -> Screen,
+        document: impl FnOnce() -> D,
+    ) -> Result<Outcome, Problems> {
+        self.as_it_is(screen, || Versioned { schema: 1, document: document() })
+    }
+
+    /// The same of a document that states the version of its form itself.
+    pub(super) fn as_it_is<D: Serialize>(
         self,
         screen: impl FnOnce() -> Screen,
         document: impl FnOnce() -> D,
@@ -74,9 +84,7 @@ impl Output {
     /// Refuses a file that is there already, before anything is computed; `what` = what it will hold.
     pub(super) fn ensure_new(&self, files: &dyn Files, what: &str) -> Result<(), Problems> {
         if self.output.as_deref() == Some(Path::new("-")) && self.print.format == Format::Json {
-            let words = format!("{what} and the document cannot both go to standard output");
-            let help = "name a file with `-o`, or leave `--format json` out";
-            return Err(Problem::new(words).help(help).into());
+            return Err(refusals::both_on_standard_output(what).into());
         }
         self.place().map_or(Ok(()), |place| files.ensure(place, Kind::File, self.force))
     }
@@ -222,8 +230,7 @@ impl Outcome {
     /// Lets everything out; the answer, and what is to be said.
     pub(super) fn deliver(mut self, out: &mut dyn Write) -> Result<(bool, String), Problems> {
         self.ready.iter().try_for_each(|ready| ready.complete())?;
-        self.print(out)
-            .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
+        self.print(out).map_err(refusals::not_put_out)?;
         self.ready.into_iter().try_for_each(|ready| ready.put())?;
         Ok((self.yes, self.talk))
     }
@@ -235,6 +242,14 @@ impl Outcome {
             printed => printed,
         }
     }
+}
+
+/// A document for scripts, which begins with the version of its form.
+#[derive(Serialize)]
+struct Versioned<D> {
+    schema: u32,
+    #[serde(flatten)]
+    document: D,
 }
 
 /// A document without what is not known.

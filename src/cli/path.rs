@@ -4,6 +4,7 @@ mod page;
 
 use crate::cli::assess::AskedTables;
 use crate::cli::outcome::{Outcome, Output, Plot};
+use crate::cli::refusals;
 use crate::inputs::problems;
 use crate::page::{Ink, Trace};
 use crate::text::{Problem, Problems};
@@ -39,9 +40,7 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the samples")?;
     if options.job == Path::new("-") && options.program == Path::new("-") {
-        return Err(Problem::new("the job and the program cannot both come from standard input")
-            .help("name a file for one of them")
-            .into());
+        return Err(refusals::both_on_standard_input().into());
     }
     let (page, points) = page(options, files)?;
     let content = points.map(|points| points.content(options.output.place())).transpose()?;

@@ -57,7 +57,6 @@ fn document(found: &VisitPlan<'_>) -> Value {
     let visits = found.visits.iter().enumerate();
     let visits = visits.map(|(index, visit)| of_visit(design, index, visit));
     json!({
-        "schema": 1,
         "machine": design.job.machine.name,
         "acceptance": { "max_deviation_um": acceptance.max_deviation_um,
                         "max_diagonal_um": acceptance.max_diagonal_um },

@@ -39,7 +39,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     }
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let (manifest, print) = (bytes_of_kit(&kit)?, options.output.print);
-    let outcome = print.outcome(|| screen(job, &profile.name, &kit), || &kit)?;
+    let outcome = print.as_it_is(|| screen(job, &profile.name, &kit), || &kit)?;
     let next_steps = next_steps(directory, &kit, table);
     options.output.deliver_files(files, outcome, own, (MANIFEST, &manifest), next_steps)
 }

@@ -1,6 +1,7 @@
 //! `nonius report JOB|ERRORS [--tables DIR] [--after FILE|JOB] [--linear FILE] -o report.html`
 
 use crate::cli::outcome::{Outcome, Output, held};
+use crate::cli::refusals;
 use crate::cli::screen::Screen;
 use crate::cli::{assess, standards, verify};
 use crate::control::controller::Template;
@@ -78,7 +79,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             false => format!("verdict on the page: {word}"),
         })
     };
-    let document = || Document { schema: 1, verdict: word };
+    let document = || Document { verdict: word };
     let outcome = options.output.deliver(files, Some(content), screen, document, "")?;
     Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
 }
@@ -86,7 +87,6 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// What scripts read.
 #[derive(Serialize)]
 struct Document {
-    schema: u32,
     verdict: &'static str,
 }
 
@@ -254,9 +254,7 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
     }
     let path = Path::new(language);
     if !files.is(Kind::File, path) {
-        let shipped = joined(Texts::languages());
-        let help = format!("expected one of {shipped}, or a file of texts (docs/visit.md §11)");
-        return Err(Problem::new(format!("there are no texts `{language}`")).help(help).into());
+        return Err(refusals::no_texts(language, joined(Texts::languages())).into());
     }
     let stem = path.file_stem();
     let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -280,10 +278,8 @@ fn logo(files: &dyn Files, path: &Path) -> Result<String, Problems> {
         (is_jpeg(&bytes), "image/jpeg"),
         (is_svg(&bytes), "image/svg+xml"),
     ];
-    let Some((_, kind)) = kinds.into_iter().find(|(is_such, _)| *is_such) else {
-        let words = format!("`{name}` is no picture that a page can hold");
-        return Err(Problem::new(words).help("give a PNG, a JPEG or an SVG").into());
-    };
+    let kind = kinds.into_iter().find(|(is_such, _)| *is_such);
+    let (_, kind) = kind.ok_or_else(|| refusals::no_picture(name))?;
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
 }
 

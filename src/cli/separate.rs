@@ -5,6 +5,7 @@ mod text;
 mod words;
 
 use crate::cli::outcome::{Known, Outcome, Output, Plot, held};
+use crate::cli::refusals;
 use crate::inputs::error_table;
 use crate::inputs::job::SetUp;
 use crate::machine::separation::Separation;
@@ -20,7 +21,7 @@ use crate::quantity::{
     Axis, Diagonal, Direction, Listed, Millimetres, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,
     Run, Volume, picometres,
 };
-use crate::text::{Finding, Named, Problem, Problems};
+use crate::text::{Finding, Named, Problems};
 use crate::visit::files::Files;
 use crate::visit::job_files::{CampaignFiles, read_campaign};
 use clap::Args;
@@ -86,11 +87,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 
 fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome, Problems> {
     if options.output.is_asked_for() {
-        return Err(Problem::new(
-            "straight runs hold no nine errors: four totals are three squareness errors and one combination of the scales",
-        )
-        .help("leave `-o` out, or measure in single-axis steps (`kind = \"step\"`)")
-        .into());
+        return Err(refusals::no_errors_to_write().into());
     }
     let result = campaign.straight()?;
     let figures = by_standard(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
@@ -162,7 +159,6 @@ pub(super) fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -
     });
     let diagonals = (&of.volume, &of.end_um, Some(of.runs.as_slice()), None);
     Known(json!({
-        "schema": 1,
         "errors": entries(of),
         "squareness_um_per_m": metric.squareness_um_per_m(),
         "u_squareness_um_per_m": u_squareness.map(|u| Some(u?.u)),
@@ -207,7 +203,6 @@ pub(super) fn of_straight(
     let scales = |found: &dyn Fn(Axis) -> Option<f64>| Known(PerAxis::from_fn(found));
     let diagonals = (&of.volume, &of.end_um, None, of.closure.as_ref());
     Known(json!({
-        "schema": 1,
         "squareness_um_per_m": metric.squareness_um_per_m(),
         "u_squareness_um_per_m": metric.u_squareness().map(|u| Some(u?.u)),
         "redundancy": of.agreement,

@@ -105,8 +105,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         }
     };
     let simulation = simulation.as_ref();
-    let document = || Document {
-        schema: 1,
+    let document = Document {
         simulated: true,
         kind: rehearsal.map_or("single-axis", kind_word),
         steps: rehearsal.map(|of| of.measurement.volume.steps),
@@ -121,13 +120,13 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     };
     let figures = simulation.map_or_else(String::new, figures);
     let screen = || screen(&inputs, &origin, &what, figures);
+    let document = || document;
     options.output.deliver(files, Some(held(text)), screen, document, &format!(" ({SIMULATED})"))
 }
 
 /// What scripts read: of diagonals, or of an error table.
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: u32,
     simulated: bool,
     kind: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]

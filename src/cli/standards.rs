@@ -3,6 +3,7 @@
 mod pages;
 
 use crate::cli::outcome::{Outcome, Shows};
+use crate::cli::refusals;
 use crate::control::controller::TableSign;
 use crate::inputs::import::stated::{
     self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,
@@ -11,7 +12,7 @@ use crate::inputs::import::{encoding_word, measured_runs};
 use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
 use crate::quantity::{Axis, Direction};
-use crate::text::{LengthUnit, Problem, Problems};
+use crate::text::{LengthUnit, Problems};
 use crate::visit::files::Files;
 use crate::visit::job_files::Given;
 use clap::Args;
@@ -80,10 +81,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems> {
     let kind = file.kind();
     if kind != FileKind::Table {
-        let (name, is) = (&file.name, kind.words());
-        return Err(Problem::new(format!("`{name}` is {is}, expected runs of one axis (CSV)"))
-            .help("a table of targets and runs as in docs/interface.md §2.4")
-            .into());
+        return Err(refusals::no_runs_of_axis(&file.name, kind.words()).into());
     }
     let stated = Stated { unit: None, values: None };
     let runs = Runs::read(&file.source()?, stated)?;
@@ -121,8 +119,7 @@ impl Options {
         let mut problems = Problems::none();
         for (option, takes, is_given) in given {
             if is_given && !takes.contains(&input) {
-                let words = format!("`{option}` has no meaning for {}", input.words());
-                problems.push(Problem::new(words).help("leave it out"));
+                problems.push(refusals::no_meaning(option, input.words()));
             }
         }
         problems.or_ok(())

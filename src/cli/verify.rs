@@ -59,7 +59,6 @@ pub(super) struct Page<'a> {
 /// What scripts read.
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
-    schema: u32,
     verdict: &'static str,
     scope: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -94,10 +93,6 @@ enum Figures<'a> {
         max_residual_um: Option<f64>,
     },
     Compared(&'a ComparedLine),
-}
-
-fn read_from(directory: &str) -> String {
-    format!("tables read from {}", printed(Path::new(directory)))
 }
 
 impl<'a> Page<'a> {
@@ -264,13 +259,14 @@ impl Page<'_> {
     fn head(&self) -> Vec<String> {
         let disagreements = self.verification.disagreements();
         let directory = self.verification.loaded.directory.as_deref();
-        let (agreement, tables) = match (directory, disagreements.as_slice()) {
-            (None, _) => (None, "its tables by this job, in no file".to_string()),
-            (Some(from), []) => (Some("job and tables agree".to_string()), read_from(from)),
-            (Some(from), differences) => {
-                (Some(list("job and tables DISAGREE:", differences)), read_from(from))
-            }
+        let tables = match directory {
+            None => "its tables by this job, in no file".to_string(),
+            Some(from) => format!("tables read from {}", printed(Path::new(from))),
         };
+        let agreement = directory.map(|_| match disagreements.as_slice() {
+            [] => "job and tables agree".to_string(),
+            differences => list("job and tables DISAGREE:", differences),
+        });
         let verdict = show::verdict(
             self.verdict(),
             &self.inputs.job,
@@ -341,7 +337,6 @@ impl Page<'_> {
         let diagonal =
             |of: &DiagonalForecast| (of.diagonal.to_string(), Figures::forecast(&of.change, false));
         let page = Document {
-            schema: 1,
             verdict: self.verdict().word(),
             scope: scope.chain(self.always()).collect(),
             after: None,

@@ -16,6 +16,7 @@
 
 mod partial;
 
+use crate::cli::refusals;
 use crate::cli::screen::say;
 use crate::text::{Problem, Problems};
 use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous, printed};
@@ -28,32 +29,18 @@ use std::path::{Path, PathBuf};
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
     let name = printed(directory);
     let found = fs::symlink_metadata(trimmed(directory));
-    let (message, help) = if found.is_ok_and(|found| !found.is_dir()) {
-        (
-            format!("`{name}` is a link or a file, expected a new or an empty directory"),
-            "choose another directory; of a link, name what it leads to".to_string(),
-        )
-    } else if is_drive(directory) {
-        (
-            format!("`{name}` is a drive, expected a directory on it"),
-            format!("name one, e.g. `{}`", printed(&directory.join("kit"))),
-        )
-    } else {
-        match fs::read_dir(directory).map(Iterator::count) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            Ok(entries) if entries == 0 || force => return Ok(()),
-            Err(error) => (
-                format!("`{name}` cannot be used as the kit's directory: {}", plain_words(&error)),
-                "choose another directory".to_string(),
-            ),
-            Ok(_) => (
-                format!("the directory `{name}` is not empty, expected a new or an empty one"),
-                "choose another directory, or `--force` to keep the old one as DIR.previous"
-                    .to_string(),
-            ),
-        }
-    };
-    Err(Problem::new(message).help(help).into())
+    if found.is_ok_and(|found| !found.is_dir()) {
+        return Err(refusals::no_directory(name).into());
+    }
+    if is_drive(directory) {
+        return Err(refusals::is_drive(name, printed(&directory.join("kit"))).into());
+    }
+    match fs::read_dir(directory).map(Iterator::count) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        Ok(entries) if entries == 0 || force => Ok(()),
+        Err(error) => Err(refusals::unusable_directory(name, plain_words(&error)).into()),
+        Ok(_) => Err(refusals::not_empty(name).into()),
+    }
 }
 
 /// An output that is complete beside its place: a directory, or one file.
@@ -152,33 +139,22 @@ pub(super) fn named(directory: &Path) -> Result<PathBuf, Problem> {
     let place = trimmed(directory);
     match place.file_name() {
         Some(_) => Ok(place),
-        None => Err(Problem::new(format!("`{}` is no name for a new directory", printed(&place)))
-            .help("name a directory below it, e.g. `kit`")),
+        None => Err(refusals::nameless(printed(&place))),
     }
 }
 
 /// Refuses a file that exists, and with `--force` anything but a regular one, before any work is done.
 pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
     let name = printed(file);
-    let (message, help) = match fs::symlink_metadata(file) {
+    Err(match fs::symlink_metadata(file) {
         Err(_) => return Ok(()),
-        Ok(found) if found.is_dir() => {
-            (format!("`{name}` is a directory, expected the name of a file"), "name a file in it")
-        }
-        Ok(found) if found.is_symlink() => (
-            format!("`{name}` is a link, which would be replaced by a file"),
-            "name the file itself",
-        ),
-        Ok(found) if !found.is_file() => {
-            (format!("`{name}` is no regular file"), "name a file; `-` is standard output")
-        }
+        Ok(found) if found.is_dir() => refusals::is_directory(name),
+        Ok(found) if found.is_symlink() => refusals::is_link(name),
+        Ok(found) if !found.is_file() => refusals::is_no_file(name),
         Ok(_) if force => return Ok(()),
-        Ok(_) => (
-            format!("`{name}` exists, so it is not overwritten"),
-            "choose another name, or `--force` to replace it",
-        ),
-    };
-    Err(Problem::new(message).help(help).into())
+        Ok(_) => refusals::exists(name),
+    }
+    .into())
 }
 
 /// `kit/` and `kit` are the same directory.

@@ -13,6 +13,7 @@ const SEPARATE: &str =
 const LEAVE_OUT: &str = "a missing value is never filled in: leave the run out";
 const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";
 const KEEP_ONE: &str = "keep one of the two";
+const RIGHT_FILE: &str = "leave `--axis` out, or take the right file";
 const SEPARATOR: &str = "the separator is `;`, a tab or a comma";
 const PLAIN_DECIMALS: &str = "write all numbers with a decimal point or all with a comma, and nothing between thousands; `--decimal` says which of them stands before decimals";
 const EXAMPLE: &str = "e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
@@ -109,6 +110,8 @@ refusals! {
     term_of_nothing() => "`--term` is stated, but the mapping names the components itself", "leave it out, or map a column to `deviation_um` or `actual_mm`";
     position_of_straightness() => "a column says where the axis stood, which only positioning (EXX, EYY, EZZ) has", "map deviations, or state the term that was measured";
     // Mapped columns.
+    no_axis(found) => "the axis is `{found}`, expected X, Y or Z", RIGHT_FILE;
+    other_axis_in_row(axis, stated) => "the file says axis {axis}, but `--axis {stated}` was stated", RIGHT_FILE;
     no_column(name) => "the file has no column `{name}`", format!("copy the names for `--columns` from the file, letter by letter; {SEPARATOR}");
     no_further_column() => "the line with the names of `--columns` has no further column", SEPARATOR;
     no_such_number(number, width) => "`#{number}` of `--columns` is no column of the file, which has {width}", "columns are counted from 1";
@@ -152,10 +155,16 @@ refusals! {
     read_twice(what, line) => "{what} stands here again, the first time in line {line}", "keep one of the two rows";
     no_reading(target, run, direction) => "target {target} mm has no reading of run {run} moving {direction}, which other targets have", "a missing reading is not filled in; write a target the same way in every row, or leave out the run or the target as a whole";
     far(off, target, limit, least, more, help) => "the reading is {off:.4} mm from its target at {target} mm, expected less than {limit:.4} mm (half the way to the next target, or {least} mm where they are closer){more}", help;
+    too_many_readings(most) => "here are more than {most} readings, too many for a test", "check that the file is a test of one axis";
     // Whatever table.
+    no_table_at_all(name, what, first_line) => "`{name}` holds no {what}", first_line;
+    other_cell(what, found, expected, help) => "{what} `{found}`, expected {expected}", help;
+    empty_cell(name, help) => "`{name}` is empty, expected a number", help;
+    no_uncertainty(name, found) => "`{name}` is {found}, expected an uncertainty of at least 0", "give the standard uncertainty, k = 1";
     same_column(name, other) => "column `{name}` gives the same as column `{other}` before it", KEEP_ONE;
     no_column_for(what, example, first_line) => "there is no column for {what}, expected {example}", first_line;
     // Error tables.
+    empty_position() => "the position is empty, expected a number", "every row needs its machine coordinate";
     no_positions() => "the table has a header but no rows, expected measured positions", "write one row for each measured position, e.g. x,0,0";
     mixed_directions(axis) => "axis {axis} has rows with and without a direction, expected one kind", "give every row of the axis `+` or `-`, or none";
     given_twice_along(position, unit, axis) => "position {position} {unit} of axis {axis} is given twice", "average repeated runs, or give them directions `+` and `-`";

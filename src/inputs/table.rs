@@ -165,9 +165,8 @@ impl<'a> Table<'a> {
         [what, first_line, columns]: [&'static str; 3],
         known: impl FnOnce(&Line<'a>) -> Result<Vec<Column>, Problem>,
     ) -> Result<Table<'a>, Problems> {
-        let (header, lines) = header_and_rows(source).ok_or_else(|| {
-            Problem::new(format!("`{}` holds no {what}", source.name)).help(first_line)
-        })?;
+        let (header, lines) = header_and_rows(source)
+            .ok_or_else(|| refusals::no_table_at_all(&source.name, what, first_line))?;
         let known = known(&header)?;
         refuse_other_first_line(&header, first_line)?;
         let names: Vec<&str> = known.iter().map(|column| column.name.as_str()).collect();
@@ -270,11 +269,9 @@ pub(crate) struct Cell<'r> {
 
 impl Cell<'_> {
     /// Notes what is wrong here.
-    pub(super) fn refuse(&self, message: impl Into<String>, help: &str) {
+    pub(super) fn refuse(&self, problem: Problem) {
         let index = self.column.index;
-        self.notes.refuse_with(|| {
-            Problem::new(message).at(self.line.cell_place(index)).in_column(index).help(help)
-        });
+        self.notes.refuse_with(|| problem.at(self.line.cell_place(index)).in_column(index));
     }
 
     /// What is read from the cell; where that is nothing, a problem says what was expected and the next step.
@@ -286,7 +283,7 @@ impl Cell<'_> {
     ) -> Option<T> {
         let value = read(self.text);
         if value.is_none() {
-            self.refuse(format!("{what} `{}`, expected {expected}", shown(self.text)), help);
+            self.refuse(refusals::other_cell(what, shown(self.text), expected, help));
         }
         value
     }
@@ -300,8 +297,7 @@ impl Cell<'_> {
     /// A number that must be there.
     pub(super) fn reading(&self, missing: &str) -> Option<f64> {
         if self.text.is_empty() {
-            let name = &self.column.name;
-            self.refuse(format!("`{name}` is empty, expected a number"), missing);
+            self.refuse(refusals::empty_cell(&self.column.name, missing));
             return None;
         }
         self.number("write a plain number; its unit stands in the header")
@@ -311,9 +307,7 @@ impl Cell<'_> {
     pub(super) fn uncertainty(&self, expected: &str) -> Option<f64> {
         let number = self.number(expected)?;
         if number < 0.0 {
-            let (name, found) = (&self.column.name, shown(self.text));
-            let message = format!("`{name}` is {found}, expected an uncertainty of at least 0");
-            self.refuse(message, "give the standard uncertainty, k = 1");
+            self.refuse(refusals::no_uncertainty(&self.column.name, shown(self.text)));
         }
         Some(number).filter(|number| *number >= 0.0)
     }

@@ -8,6 +8,7 @@ use crate::judge::active::{ActiveControl, Fault, ReadOutFor, faults, from_read_o
 use crate::judge::findings::{FileFault, InControl};
 use crate::kit::findings::InDirectory;
 use crate::kit::manifest::HashedFile;
+use crate::kit::refusals;
 use crate::read::{is_whole, may_be_meant_for};
 use crate::text::{Finding, Kind, Problem, Problems, Severity, json_page, of_severity, shown};
 use serde_json::Value;
@@ -54,10 +55,7 @@ impl Directory {
             found.ensure_holds_no_input(inputs)?;
             return Ok(found);
         };
-        let document: Value = json_page(manifest).map_err(|error| {
-            Problem::new(format!("`manifest.json` is damaged: {error}"))
-                .help("make the kit again; without `manifest.json` the tables alone are judged")
-        })?;
+        let document: Value = json_page(manifest).map_err(refusals::damaged_manifest)?;
         found.ignore_unlisted(&document, profile);
         found.compare_hashes(&document);
         found.compare_origin(&document, inputs);
@@ -77,15 +75,8 @@ impl Directory {
             active.all(|(_, bytes)| *bytes != file.bytes)
                 && inputs.hashes.iter().any(|input| input.sha256 == own)
         };
-        let Some(file) = self.files.iter().find(is_input) else {
-            return Ok(());
-        };
-        let words = format!(
-            "`{}` holds `{}`, from which the tables are made, and no manifest.json: it is no kit",
-            self.path,
-            shown(&file.path)
-        );
-        Err(Problem::new(words).help("name the directory that `nonius generate` wrote, or one that holds nothing but files read out of the control"))
+        let found = self.files.iter().find(is_input);
+        found.map_or(Ok(()), |file| Err(refusals::holds_input(&self.path, shown(&file.path))))
     }
 
     /// A file that was left out, and why.
@@ -249,8 +240,7 @@ impl Directory {
         let id = &inputs.profile.id;
         if let Some(other) = document["controller"].as_str().filter(|other| other != id) {
             let found = InDirectory::OtherControl { made_for: shown(other), own: id.clone() };
-            let help = "name the job that this kit was made from, or the kit of this job";
-            self.other_control = Some(Problem::new(found.words()).help(help));
+            self.other_control = Some(refusals::other_control(found.words()));
             self.findings.push(found.into());
         }
         let Some(known) = document["inputs"].as_array() else {

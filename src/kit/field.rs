@@ -20,7 +20,7 @@ use crate::judge::family::{Before, ChangedBy, Old, family};
 use crate::judge::field::{Field, Pair};
 use crate::judge::forecast::{self, Miss};
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
-use crate::kit::inputs::{Asked, Inputs, cannot_emulate, remarks};
+use crate::kit::inputs::{Asked, Inputs, remarks};
 use crate::kit::loaded::Made;
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
 use crate::read::emulate::{Emulated, Emulator, Response};
@@ -55,7 +55,7 @@ fn checklist(
     shown: &[Shown],
     rollback: &Rollback,
 ) -> Result<Vec<KitFile>, Problems> {
-    let movement = switching(made).map_err(|reason| cannot_emulate(&reason))?;
+    let movement = switching(made)?;
     let (task, compiled) = (made.task(), &made.compiled);
     let lists = |list: List| match list {
         List::Places => places(made),

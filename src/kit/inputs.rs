@@ -7,12 +7,13 @@ use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
 use crate::judge::forecast::{Forecast, Machine};
+use crate::kit::refusals;
 use crate::kit::visit_plan::Judged;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::{Finding, Problem, Problems, Severity, grouped, joined, sha256};
+use crate::text::{Finding, Problems, Severity, grouped, joined, sha256};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task, plan};
 use serde::Serialize;
@@ -94,21 +95,15 @@ impl Inputs {
         })
     }
 
-    /// Adds the angular errors of a table of their own (`measurement.angles`).
-    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
-        self.model.add_angles(&self.job, table)?;
-        self.angles = Some(table.clone());
-        Ok(self)
-    }
-
-    /// Adds what was measured apart and what was active meanwhile, where there is any.
+    /// Adds what was measured apart (`measurement.angles`) and what was active meanwhile, where there is any.
     pub(crate) fn with(
         mut self,
         angles: Option<&ErrorTable>,
         active: Option<ActiveControl>,
     ) -> Result<Inputs, Problems> {
-        if let Some(angles) = angles {
-            self = self.with_angles(angles)?;
+        if let Some(table) = angles {
+            self.model.add_angles(&self.job, table)?;
+            self.angles = Some(table.clone());
         }
         match active {
             Some(active) => self.with_active(active),
@@ -197,10 +192,10 @@ impl Asked<'_> {
 }
 
 /// Tables whose effect the semantics do not tell.
-pub(crate) fn cannot_emulate(reason: &CannotEmulate) -> Problems {
-    Problem::new(format!("the tables cannot be emulated: {}", reason.0))
-        .help("nothing is written, because no forecast could be given")
-        .into()
+impl From<CannotEmulate> for Problems {
+    fn from(reason: CannotEmulate) -> Problems {
+        refusals::not_emulated(reason.0).into()
+    }
 }
 
 /// Terms without a table, parts of the travel that were not measured, figures that become worse,

@@ -16,7 +16,8 @@ use crate::judge::field::Field;
 use crate::judge::findings::{InControl, not_emulated};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::findings::KitFinding;
-use crate::kit::inputs::{Asked, Inputs, cannot_emulate, judged};
+use crate::kit::inputs::{Asked, Inputs, judged};
+use crate::kit::refusals;
 use crate::quantity::{Axis, rounded};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{ReadBack, emulator, read, unread};
@@ -54,7 +55,7 @@ impl<'a> Loaded<'a> {
         (state, findings): Outside,
         control: Emulated<Box<dyn Emulator>>,
     ) -> Loaded<'a> {
-        let control = control.map_err(|reason| cannot_emulate(&reason));
+        let control = control.map_err(Problems::from);
         Loaded { asked, tables, state, control, findings, unread: None, directory: None }
     }
 
@@ -108,7 +109,7 @@ impl<'a> Loaded<'a> {
         let Asked { inputs, plan, compiled } = &asked;
         let (state, of_state) = read_out_state(&asked, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
-        let wanted = with(&compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
+        let wanted = with(&compiled.tables, &compiled.state)?;
         let mut findings = active.findings.clone();
         let facts: Vec<String> = active.assumptions.iter().map(|a| a.fact.clone()).collect();
         if !facts.is_empty() {
@@ -134,7 +135,7 @@ impl<'a> Loaded<'a> {
 
     /// What the tables add to every term; refused where nothing can be said of it.
     pub(crate) fn effect(&self) -> Result<Field, Problems> {
-        self.field(self.control()?).map_err(|reason| cannot_emulate(&reason))
+        Ok(self.field(self.control()?)?)
     }
 
     /// The same of a control.
@@ -343,16 +344,10 @@ pub(super) fn doubts(inputs: &Inputs) -> Vec<Finding> {
 }
 
 fn not_read_back(problems: Problems) -> Problems {
-    const WORDS: &str =
-        "the files that the templates made cannot be read back, so nothing is written";
-    let mut all = Problems::from(Problem::new(WORDS).help(KEEP_TO_THE_FORMAT));
+    let mut all = Problems::from(refusals::not_read_back());
     all.extend(problems);
     all
 }
-
-/// What to do where files do not read back.
-pub(super) const KEEP_TO_THE_FORMAT: &str =
-    "a template of your own has to keep to the format of the dialect (docs/own-control.md §3)";
 
 /// A template that drops, doubles, changes or adds something is found here.
 fn ensure_same(loaded: &Loaded<'_>) -> Result<(), Problems> {
@@ -361,14 +356,10 @@ fn ensure_same(loaded: &Loaded<'_>) -> Result<(), Problems> {
     if same_tables && sentences.is_empty() {
         return Ok(());
     }
-    let headline = if same_tables {
-        Problem::new("the files that the templates made set something else than was meant, so nothing is written")
-            .help("a kit sets what its tables need and nothing else; `nonius context JOB` prints what a template sees")
-    } else {
-        Problem::new("the files that the templates made do not read back to the tables that were meant, so nothing is written")
-            .help("a template leaves something out, doubles it or changes a number; `nonius context JOB` prints what it sees")
-    };
-    let mut problems = Problems::from(headline);
+    let mut problems = Problems::from(match same_tables {
+        true => refusals::something_else_set(),
+        false => refusals::other_tables(),
+    });
     for words in sentences {
         problems.push(Problem::new(words.to_string()));
     }

@@ -9,6 +9,7 @@ use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::{Change, Forecast};
 use crate::kit::field::Shown;
 pub use crate::kit::inputs::{HashedFile, hashed};
+use crate::kit::refusals;
 use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::{Direction, ErrorTerm, Millimetres, picometres};
 use crate::text::{Finding, Named, Problem, plain, refuse_large_page, sha256};
@@ -34,13 +35,9 @@ pub(crate) fn bytes_of_kit(document: &impl Serialize) -> Result<Vec<u8>, Problem
 
 /// A document as it is printed: its figures rounded to a picometre, zeros without a sign.
 pub(crate) fn rounded(document: &impl Serialize) -> Result<Value, Problem> {
-    let mut document = serde_json::to_value(document).map_err(|error| refused(&error))?;
+    let mut document = serde_json::to_value(document).map_err(refusals::not_written)?;
     round_figures(&mut document, false);
     Ok(document)
-}
-
-fn refused(error: &serde_json::Error) -> Problem {
-    Problem::new(format!("the document cannot be written: {error}"))
 }
 
 /// Figures are what stands below a key that ends in a unit, or in the name of a figure without one.
@@ -68,7 +65,7 @@ pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     const USUAL_BYTES: usize = 1 << 14;
     let mut page = Vec::with_capacity(USUAL_BYTES);
     let document = rounded(document)?;
-    serde_json::to_writer_pretty(&mut page, &document).map_err(|error| refused(&error))?;
+    serde_json::to_writer_pretty(&mut page, &document).map_err(refusals::not_written)?;
     page.push(b'\n');
     Ok(match std::str::from_utf8(&page).map(plain::json) {
         Ok(Cow::Owned(escaped)) => escaped.into_bytes(),

@@ -9,13 +9,14 @@ use crate::control::controller::program::ProgramFacts;
 use crate::control::controller::{ControlUnit, Evidence, Profile};
 use crate::inputs::job::{Job, ProgramRequest, RunType, TargetGrid};
 use crate::kit::manifest::{HashedFile, SCHEMA};
+use crate::kit::refusals;
 use crate::kit::sha256;
 use crate::quantity::{Axis, Diagonal, LaserPath, Pass, PathKind, PerAxis, rounded};
 use crate::read::program::walk::{
     self as readback_positions, Bounds, Position, Walked, form_differences, walk,
 };
 use crate::read::program::{Cancelled, OwnWords, read};
-use crate::text::{Finding, Named, Problem, Problems};
+use crate::text::{Finding, Named, Problems};
 use crate::write::emit::{TOOL, other_letters};
 use crate::write::program::{
     FileRole, MeasuringRun, MirrorSize, ProgramFile, RunTask, SetUpProgram, plan, positions,
@@ -140,7 +141,7 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
         wrong.push(format!("{programs} programs for {set_ups} set-ups of the laser"));
     }
     for words in wrong {
-        problems.push(Problem::new(words).help("nothing was written"));
+        problems.push(refusals::other_program(words));
     }
     let bounds = bounds(task);
     let mut walked = Vec::new();

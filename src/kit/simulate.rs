@@ -26,6 +26,7 @@ use crate::judge::active::named_axis;
 use crate::judge::field::Field;
 use crate::judge::findings::InControl;
 use crate::kit::findings::InRehearsal;
+use crate::kit::refusals;
 use crate::kit::{Asked, Inputs, Loaded};
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
@@ -216,20 +217,9 @@ impl Rehearsal {
 
 /// How the run of `[program]` is measured.
 fn programmed(job: &Job) -> Result<DiagonalMeasurement, Problem> {
-    let (key, words, help) = match &job.program {
-        None => (
-            "measurement.errors",
-            "the job does not say how diagonals would be measured: it has neither readings nor a section [program]",
-            "add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/measuring.md), or predict single axes with `--errors`",
-        ),
-        Some(program) => match program.measured() {
-            Some(measurement) => return Ok(measurement),
-            None => (
-                "program.what",
-                "`[program]` measures single axes, so there are no diagonals to predict",
-                "write `what = \"step-diagonal\"`, or predict single axes with `--errors`",
-            ),
-        },
+    let Some(program) = &job.program else {
+        return Err(job.source.at("measurement.errors", refusals::no_diagonals()));
     };
-    Err(job.problem_at(key, words).help(help))
+    let single = || job.source.at("program.what", refusals::single_axes_only());
+    program.measured().ok_or_else(single)
 }

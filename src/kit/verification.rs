@@ -1,6 +1,6 @@
 //! The bytes of a directory, judged against a job, and a measurement with them active.
 
-use super::inputs::{Asked, Inputs, cannot_emulate, judged};
+use super::inputs::{Asked, Inputs, judged};
 use super::loaded::{Loaded, doubts};
 use crate::control::controller::KitFile;
 use crate::inputs::job::Job;
@@ -46,7 +46,7 @@ pub fn verify<'a>(
 ) -> Result<Verification<'a>, Problems> {
     let loaded = Loaded::kit(Asked::of(inputs)?, files, named)?;
     let wanted = &loaded.asked.compiled;
-    emulator(&inputs.profile, &wanted.tables, &wanted.state).map_err(|e| cannot_emulate(&e))?;
+    emulator(&inputs.profile, &wanted.tables, &wanted.state)?;
     let field = field::differences(&loaded.asked, files)?;
     let findings = [before, loaded.findings.clone(), field].concat();
     Ok(Verification::of(loaded, findings))

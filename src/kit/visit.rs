@@ -14,6 +14,7 @@ pub use self::again::{Earlier, Measured};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::inputs::job::keys;
+use crate::kit::refusals;
 use crate::quantity::pitch::{self, DIGIT_MM};
 use crate::quantity::{Axis, Diagonal, Direction, Figure, Millimetres, Pass, PerAxis};
 use crate::text::{Problem, Problems, joined};
@@ -146,10 +147,7 @@ impl Visit<'_> {
     /// The job.
     fn job(&self) -> Result<String, Problems> {
         if self.profile.job_keys.is_empty() {
-            let words =
-                format!("the profile `{}` does not say which keys its job needs", self.profile.id);
-            let help = "add them as `[[job]]` (docs/own-control.md section 3), or build it on a built-in one with `based_on`";
-            return Err(Problem::new(words).help(help).into());
+            return Err(refusals::no_job_keys(&self.profile.id).into());
         }
         let axes = Axis::ALL.map(|axis| OfAxis {
             name: axis.key(),
@@ -207,9 +205,7 @@ impl Visit<'_> {
         };
         if let Some(short) = Axis::ALL.into_iter().find(|axis| step(*axis) <= 0.0) {
             let length = millimetres(self.length(short));
-            let words =
-                format!("the travel of {short}, {length} mm, is too short for {steps} steps");
-            return Err(Problem::new(words).help("ask for fewer with `--steps`"));
+            return Err(refusals::short_travel(short, length, steps));
         }
         let size = |axis| step(axis) * steps;
         let start = |axis| {

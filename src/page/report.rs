@@ -161,7 +161,7 @@ impl Report<'_> {
             "lang": escaped(&self.locale.texts.language),
             "t": self.locale.texts.escaped(),
             "tool": TOOL,
-            "style": svg::STYLE,
+            "style": svg::style(),
             "logo": self.logo.as_deref().unwrap_or_default(),
             "unit": self.unit(),
             "running": self.running(),

@@ -23,24 +23,15 @@ const LARGER: f64 = 1.2;
 const WIDE: char = '\u{2e80}';
 
 /// Colours that the colour-blind tell apart (Okabe and Ito), and dashes for print in grey.
-pub(crate) const STYLE: &str = "\
-svg text{font-family:Helvetica,Arial,'Noto Sans',sans-serif;font-size:10px;fill:#222}\
-.h{font-size:15px;font-weight:bold}.t{font-size:11px;font-weight:bold}.m{text-anchor:middle}.e{text-anchor:end}\
-.paper{fill:#fff}.frame{fill:none;stroke:#777;stroke-width:.8}.grid{stroke:#d5d5d5;stroke-width:.6}.zero{stroke:#777;stroke-width:.8}\
-.line{fill:none;stroke-width:1.5;stroke-linejoin:round}.band{stroke:none;fill-opacity:.22}.dot{stroke-width:1.1;fill:#fff}.bar{stroke-width:.8;fill-opacity:.55}\
-.found{stroke:#c2410c}.found.line{stroke-dasharray:5 2.5}.found.band,.found.bar{fill:#c2410c}\
-.forecast{stroke:#0b5cad}.forecast.band,.forecast.bar{fill:#0b5cad}\
-.left{stroke:#111}.left.line{stroke-dasharray:1.5 2.5}.left.dot{fill:#111}.left.band,.left.bar{fill:#111}\
-.up{stroke:#0b5cad}.up.band{fill:#0b5cad}.down{stroke:#c2410c}.down.line{stroke-dasharray:5 2.5}.down.band{fill:#c2410c}.down.dot{fill:#c2410c}\
-.edge{fill:none;stroke:#999;stroke-width:.8}.arrow{fill:none;stroke-width:1.1;stroke-linejoin:round}\
-.limit{stroke:#666}.limit.line{stroke-dasharray:9 3 2 3;stroke-width:1}\
-.place{stroke:#0b5cad;stroke-width:1}.band{stroke:none}";
+pub(super) fn style() -> String {
+    include_str!("../../templates/picture.css").lines().collect()
+}
 
 impl Picture {
     /// The picture as a file of its own: SVG 1.1, text as text.
     pub fn svg(&self, locale: Locale<'_>) -> String {
         let names = " xmlns=\"http://www.w3.org/2000/svg\"";
-        drawn(self, locale, names, &format!("<style>{STYLE}</style>\n"))
+        drawn(self, locale, names, &format!("<style>{}</style>\n", style()))
     }
 }
 

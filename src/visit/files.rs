@@ -1,6 +1,7 @@
 //! Where the files of a run come from and go to: a disk, or the memory of a program that uses this one.
 
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems};
+use crate::visit::refusals;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Error, ErrorKind, Read, Seek, Write};
@@ -151,16 +152,6 @@ pub(crate) fn unreadable(what: &str, error: &Error) -> Problem {
     Problem::new(format!("{what} cannot be read: {}", plain_words(error)))
 }
 
-/// The same of a folder.
-pub(crate) fn no_file(what: &str) -> Problem {
-    Problem::new(format!("{what} is a directory, expected a file")).help("name a file in it")
-}
-
-/// The same of what is too long for an input.
-pub(crate) fn too_long(what: &str) -> Problem {
-    Problem::new(format!("{what} holds more than {LARGEST_FILE_MIB} MiB, too much for an input"))
-}
-
 /// What stopped an output on its way to a place.
 pub(crate) fn not_written(what: &str, path: &Path, error: &Error) -> Problems {
     Problem::new(format!("{what} `{}`: {}; nothing was written", printed(path), plain_words(error)))
@@ -171,14 +162,6 @@ pub(crate) fn not_written(what: &str, path: &Path, error: &Error) -> Problems {
 /// The same on its way to standard output.
 pub(crate) fn not_put_out(error: &Error) -> Problem {
     Problem::new(format!("standard output cannot be written: {}", plain_words(error)))
-}
-
-/// Refuses an output that the run reads, or that lies in or around what it reads.
-pub(crate) fn written_over(output: &Path, input: &str) -> Problem {
-    let name = printed(output);
-    let message =
-        format!("writing `{name}` would replace or change `{input}`, which this run reads");
-    Problem::new(message).help("choose another name for `-o`")
 }
 
 /// Where the folder that `--force` replaces is kept: `DIR.previous`, `DIR.previous-2`, ….
@@ -272,7 +255,7 @@ impl Memory {
         let concerns = |input: &&PathBuf| input.starts_with(&place) || place.starts_with(input);
         match read.iter().find(concerns) {
             None => Ok(()),
-            Some(input) => Err(written_over(output, &shown(input))),
+            Some(input) => Err(refusals::written_over(printed(output), shown(input))),
         }
     }
 
@@ -311,17 +294,17 @@ impl Files for Memory {
         let what = format!("`{}`", path.display());
         let Some(bytes) = self.all.borrow().get(&plain(path)).cloned() else {
             return Err(match self.own_kind(path) {
-                Some(_) => no_file(&what),
+                Some(_) => refusals::no_file(what),
                 None => unreadable(&what, &ErrorKind::NotFound.into()),
             });
         };
         self.read.borrow_mut().push(plain(path));
         let fits = bytes.len() as u64 <= LARGEST_FILE_MIB << 20;
-        if fits { Ok(bytes) } else { Err(too_long(&what)) }
+        if fits { Ok(bytes) } else { Err(refusals::too_long(what)) }
     }
 
     fn standard_input(&self) -> Result<Vec<u8>, Problem> {
-        Err(Problem::new(format!("there is no {STANDARD_INPUT}")).help("name a file"))
+        Err(refusals::no_standard_input(STANDARD_INPUT))
     }
 
     fn form(&self, path: &Path, _: Option<&Path>) -> Result<(String, Vec<u8>), Problems> {
@@ -367,10 +350,7 @@ impl Files for Memory {
     fn ensure(&self, path: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
         match self.own_kind(path) {
             Some(found) if found != kind || !force => {
-                let words = format!("`{}` is there, so it is not overwritten", path.display());
-                Err(Problem::new(words)
-                    .help("choose another name, or `--force` to replace it")
-                    .into())
+                Err(refusals::is_there(path.display()).into())
             }
             _ => Ok(()),
         }

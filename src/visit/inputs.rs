@@ -12,6 +12,7 @@ use crate::quantity::{Axis, Chain, PathKind, PerAxis};
 use crate::text::{Finding, Problem, Problems, Severity, Source};
 use crate::visit::files::{Files, Kind, file_name, plain_words, printed, unreadable, with_slashes};
 use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
+use crate::visit::refusals;
 use crate::volume::assessment::with_tables;
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::VolumeModel;
@@ -77,12 +78,7 @@ pub(crate) fn of_table(
     let (errors, hashes) = (ErrorSource::Table(Arc::clone(&table)), vec![file.hash.clone()]);
     let mut inputs = Inputs::of(UseOf::Figures, job, profile, errors, hashes)?;
     if chain.is_none() && inputs.model.rotations.iter().any(|(_, angle)| angle.is_some()) {
-        return Err(Problem::new(
-            "the table holds angles, which act through levers: the order of the axes is missing",
-        )
-        .at(table.header.clone())
-        .help("give a job with `machine.chain`, or state it: `assess --chain wXYZt`")
-        .into());
+        return Err(refusals::table_without_chain().at(table.header.clone()).into());
     }
     inputs.notes.push(VolumeFinding::NoJob.into());
     Ok(inputs)
@@ -120,13 +116,8 @@ pub(crate) fn errors(files: &JobFiles<'_>) -> Result<ErrorSource, Problems> {
     let paths = match &job.measurement.data {
         MeasuredData::Errors(paths) => paths,
         MeasuredData::Diagonals(measurement) if measurement.kind == PathKind::Straight => {
-            return Err(job
-                .problem_at(
-                    "measurement.step_diagonal.kind",
-                    "straight runs of the diagonals hold no nine errors, so there is nothing to compensate",
-                )
-                .help("measure in single-axis steps (`kind = \"step\"`); `nonius separate` prints what straight runs hold")
-                .into());
+            let key = "measurement.step_diagonal.kind";
+            return Err(job.source.at(key, refusals::only_straight_runs()).into());
         }
         MeasuredData::Diagonals(measurement) => {
             return CampaignFiles::read(files, measurement)?.errors();
@@ -136,7 +127,7 @@ pub(crate) fn errors(files: &JobFiles<'_>) -> Result<ErrorSource, Problems> {
     let mut table = |path| problems.take(files.table(path, "measurement.errors"));
     let tables: Vec<ErrorTable> = paths.iter().filter_map(|path| table(path)).collect();
     let tables = problems.or_ok(tables)?;
-    let missing = || job.problem_at("measurement.errors", "no error table is named");
+    let missing = || job.source.at("measurement.errors", refusals::no_error_table());
     let merged = ErrorTable::merged(tables)?.ok_or_else(missing)?;
     Ok(ErrorSource::Table(Arc::new(merged)))
 }
@@ -191,8 +182,7 @@ pub(crate) fn of_control(
     let (manifest, found) =
         read_all(files, full, names.filter(|name| !is_left_by_a_computer(name)))?;
     if found.is_empty() {
-        let empty = Problem::new(format!("`{path}` holds no file of a control"));
-        return Err(empty.help("name the directory with the control's files"));
+        return Err(refusals::no_control_file(path));
     }
     Ok((manifest, found))
 }
@@ -238,10 +228,8 @@ impl Corrected {
     /// `volume` is the machine as it was measured.
     pub(crate) fn of(volume: &VolumeModel, loaded: &Loaded<'_>) -> Result<Corrected, Problems> {
         let Asked { inputs, plan, .. } = &loaded.asked;
-        let volume = with_tables(volume, &inputs.model, plan, loaded.control()?).map_err(|e| {
-            Problem::new(format!("the tables cannot be emulated: {}", e.0))
-                .help("nothing can be said of the machine with them")
-        })?;
+        let volume = with_tables(volume, &inputs.model, plan, loaded.control()?)
+            .map_err(|reason| refusals::not_emulated(reason.0))?;
         let found = loaded.findings.iter().chain(&loaded.unread).cloned();
         let (disagreements, notes) =
             found.partition(|found| found.severity() == Severity::Disagreement);
@@ -268,22 +256,16 @@ pub(crate) fn read_directory(
     path: &Path,
 ) -> Result<Directory, Problems> {
     let name = printed(path);
-    let refuse = |words: String| {
-        Problem::new(format!("`{name}` {words}"))
-            .help("name the directory with the control's files, as `nonius generate` wrote it")
-    };
     if files.is(Kind::File, path) {
-        return Err(refuse("is a file, expected the directory that holds it".to_string()).into());
+        return Err(refusals::file_not_kit(name).into());
     }
-    let names = files
-        .names(path)
-        .map_err(|error| refuse(format!("cannot be read: {}", plain_words(&error))))?;
+    let names =
+        files.names(path).map_err(|error| refusals::unreadable_kit(&name, plain_words(&error)))?;
     let (left, names): (Vec<String>, Vec<String>) =
         names.into_iter().partition(|n| is_left_by_a_computer(n));
     let (manifest, own) = read_all(files, path, names)?;
     if own.is_empty() {
-        let words = "holds no file of a control, expected its tables".to_string();
-        return Err(refuse(words).into());
+        return Err(refusals::empty_kit(name).into());
     }
     let mut found = Directory::of(inputs, with_slashes(path), own, manifest.as_deref())?;
     for name in &left {

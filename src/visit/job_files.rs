@@ -18,6 +18,7 @@ use crate::machine::separation::{self, Campaign, Separation};
 use crate::quantity::{Pass, PathKind, PerDiagonal, Run};
 use crate::text::{Notes, Problem, Problems, Source, template_text};
 use crate::visit::files::{Files, beside_job, file_name, printed};
+use crate::visit::refusals;
 use crate::write::emit::TOOL;
 use std::cell::RefCell;
 use std::path::Path;
@@ -291,17 +292,10 @@ impl CampaignFiles {
         let hidden = self.readings.runs.iter().find(back);
         match hidden.filter(|_| self.measurement.overrun.is_none()) {
             None => Ok(()),
-            Some(run) => Err(self
-                .job
-                .problem_at(
-                    "measurement.step_diagonal",
-                    format!(
-                        "the runs under the name {} count from their own start, so the readings do not tell whether the axes ran past the end point: `overrun` is missing",
-                        run.diagonal.reverse_name()
-                    ),
-                )
-                .help("state `overrun = true` or `overrun = false` as it was measured; without overrun the first moves back hold the lost motion of the axes")
-                .into()),
+            Some(run) => {
+                let problem = refusals::overrun_missing(run.diagonal.reverse_name());
+                Err(self.job.source.at("measurement.step_diagonal", problem).into())
+            }
         }
     }
 
@@ -353,11 +347,8 @@ pub(crate) fn read_campaign(files: &dyn Files, job_path: &Path) -> Result<Campai
     let MeasuredData::Diagonals(measurement) = &named.job.measurement.data else {
         return Err(named
             .job
-            .problem_at(
-                "measurement.errors",
-                "this job gives `errors`, which are separated already",
-            )
-            .help("a job with `readings` is needed here")
+            .source
+            .at("measurement.errors", refusals::separated_already())
             .into());
     };
     CampaignFiles::read(&named, measurement)

@@ -10,7 +10,7 @@ use crate::judge::disagreement::compare;
 use crate::judge::disagreement::contents::measuring_systems;
 use crate::kit::findings::KitFinding;
 use crate::kit::manifest::HashedFile;
-use crate::kit::{Inputs, Loaded, cannot_emulate, emulator};
+use crate::kit::{Inputs, Loaded, emulator};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::PathKind;
@@ -18,6 +18,7 @@ use crate::text::{Finding, Problem, Problems, Source, header_and_rows, joined};
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, ACTIVE};
 use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
+use crate::visit::refusals;
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
@@ -44,13 +45,9 @@ fn active(
     let job = &files.job;
     match &job.measurement.active {
         ActiveTables::NotStated => Ok(None),
-        ActiveTables::None => Err(job
-            .problem_at(
-                ACTIVE,
-                format!("the measurement afterwards shows the machine with `{}` active, but its job says that no table was", printed(tables)),
-            )
-            .help("name the kit that was loaded, relative to this job; if none was loaded, it is a measurement to make tables from")
-            .into()),
+        ActiveTables::None => {
+            Err(job.source.at(ACTIVE, refusals::says_without_tables(printed(tables))).into())
+        }
         ActiveTables::Path(path) => {
             if files.files.same(&files.folder.join(path), tables) {
                 return Ok(None);
@@ -144,17 +141,14 @@ impl Second {
             own.for_each(|a| a.backlash_um = um.unwrap_or(a.backlash_um));
         }
         let judged = loaded.control()?;
-        let active_then = emulator(&first.profile, &active.tables, &state)
-            .map_err(|reason| cannot_emulate(&reason))?;
+        let active_then = emulator(&first.profile, &active.tables, &state)?;
         let mut words = measuring_systems(&first.profile, &loaded.tables, &active.tables);
         words.extend(compare(plan, judged, active_then.as_ref()).findings);
         if words.is_empty() {
             return Ok(());
         }
-        let mut problems = Problems::from(
-            job.problem_at(ACTIVE, "the measurement afterwards was taken with other tables active than those that are judged; below, `the tables` are the active ones and `the job` stands for the judged ones")
-                .help("name with `--tables` what was active, or with `active_while_measuring` what was loaded"),
-        );
+        let other = refusals::other_tables_active();
+        let mut problems = Problems::from(job.source.at(ACTIVE, other));
         words.into_iter().for_each(|words| problems.push(Problem::new(words.to_string())));
         Err(problems)
     }
@@ -164,22 +158,14 @@ impl Second {
 fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems> {
     let table = ErrorTable::read(source)?;
     if !first.job.measurement.squareness.is_empty() {
-        return Err(Problem::new(
-            "the first job adds `squareness_um_per_m` to its errors; whether the slopes of this table hold the squareness is not stated",
-        )
-        .at(table.header.clone())
-        .help("give a job with `errors` and its own `squareness_um_per_m` (none, if the slopes hold it)")
-        .into());
+        return Err(refusals::squareness_unclear().at(table.header.clone()).into());
     }
     Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(&first.job, &table)?)))
 }
 
 /// Readings by themselves do not say how they were taken.
 fn readings_alone(source: &Source) -> Problem {
-    let problem = Problem::new(
-        "these are readings of the diagonals, expected an error table (CSV) or a job (TOML)",
-    )
-    .help("give the job that names them (`after.toml` of `nonius new`): how they were walked stands there");
+    let problem = refusals::readings_alone();
     match header_and_rows(source) {
         Some((header, _)) => problem.at(header.cell_place(0)),
         None => problem,

@@ -21,7 +21,6 @@ use serde::Serialize;
 /// What is printed; the document for scripts is the same (contract §5).
 #[derive(Serialize)]
 pub(in crate::cli) struct Page {
-    schema: u32,
     /// Name of the machine, or of the table.
     #[serde(rename = "machine")]
     pub(in crate::cli) name: String,
@@ -68,7 +67,6 @@ impl Page {
             Ok::<_, Problem>(corrected.with(figures))
         });
         Ok(Page {
-            schema: 1,
             name: inputs.job.machine.name.clone(),
             grid,
             errors_measured: volume.known_errors(),

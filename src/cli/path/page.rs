@@ -2,6 +2,7 @@
 //! whole or not at all) and the worst of the holes that canned cycles drill.
 
 use crate::cli::outcome::Output;
+use crate::cli::refusals;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::kit::Inputs;
@@ -49,11 +50,7 @@ impl Page {
 /// What was found along the path of a program on one machine.
 pub(super) fn found(profile: Profile<'_>, program: &str) -> Result<Summary, Problem> {
     let summary = profile.summary();
-    if summary.samples == 0 {
-        return Err(Problem::new(format!("`{program}` holds no move that counts"))
-            .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
-    }
-    Ok(summary)
+    if summary.samples == 0 { Err(refusals::no_move(program)) } else { Ok(summary) }
 }
 
 fn largest_um(of: &Summary) -> f64 {
@@ -112,7 +109,6 @@ impl Page {
 /// What scripts read.
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
-    schema: u32,
     machine: &'a str,
     program: &'a str,
     blocks: u64,
@@ -130,7 +126,6 @@ pub(super) struct Document<'a> {
 impl Page {
     pub(super) fn document(&self) -> Document<'_> {
         Document {
-            schema: 1,
             machine: &self.inputs.job.machine.name,
             program: &self.program,
             blocks: self.ran.blocks,

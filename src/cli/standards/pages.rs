@@ -23,7 +23,6 @@ use std::path::Path;
 /// What the standards say about the runs of an axis, as documents have it.
 #[derive(Serialize)]
 pub(in crate::cli) struct AxisPage<'a> {
-    schema: u32,
     targets: usize,
     length_mm: f64,
     travel_mm: Option<f64>,
@@ -89,7 +88,6 @@ impl AxisPage<'_> {
             notes,
         };
         Ok(AxisPage {
-            schema: 1,
             targets: iso_230_2.targets.len(),
             length_mm: runs.length_mm(),
             travel_mm: travel.stated_mm(),
@@ -307,7 +305,6 @@ fn notes(dropped: bool) -> Vec<Finding> {
 /// What the standards say about the body diagonals, as documents have it.
 #[derive(Serialize)]
 pub(in crate::cli) struct DiagonalPage {
-    schema: u32,
     iso_230_6: Iso2306,
     #[serde(skip)]
     name: String,
@@ -333,7 +330,7 @@ impl DiagonalPage {
         notes: Vec<Finding>,
     ) -> DiagonalPage {
         let iso_230_6 = Iso2306 { confidence: DIAGONALS, figures, notes };
-        DiagonalPage { schema: 1, iso_230_6, name: name.to_string(), across }
+        DiagonalPage { iso_230_6, name: name.to_string(), across }
     }
 
     pub(super) fn outcome(&self, files: &dyn Files, shows: &Shows) -> Result<Outcome, Problems> {

@@ -126,8 +126,7 @@ pub(super) fn record<'a>(table: &Table<'a>, row: &Row<'_, 'a>) -> Option<Record<
     let position = table.column(Content::Position)?;
     let cell = row.cell(position);
     if cell.text.is_empty() {
-        let message = "the position is empty, expected a number";
-        cell.refuse(message, "every row needs its machine coordinate");
+        cell.refuse(refusals::empty_position());
     }
     let position = numbers[position.index].filter(|_| complete)?;
     Some(Record { line: row.line, axis: axis?, direction, position, numbers })

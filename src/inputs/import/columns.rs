@@ -210,14 +210,11 @@ impl<'a> Intake<'a> {
 
 fn axis_of(cell: &Cell<'_>, stated: Option<Axis>) -> Option<Axis> {
     let axis = Axis::from_letter(cell.text);
-    let message = match (axis, stated) {
-        (None, _) => format!("the axis is `{}`, expected X, Y or Z", shown(cell.text)),
-        (Some(axis), Some(stated)) if axis != stated => {
-            format!("the file says axis {axis}, but `--axis {}` was stated", stated.key())
-        }
+    cell.refuse(match (axis, stated) {
+        (None, _) => refusals::no_axis(shown(cell.text)),
+        (Some(axis), Some(own)) if axis != own => refusals::other_axis_in_row(axis, own.key()),
         _ => return axis,
-    };
-    cell.refuse(message, "leave `--axis` out, or take the right file");
+    });
     None
 }
 

@@ -13,7 +13,7 @@ use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
 use crate::inputs::import::reading::Passes;
 use crate::inputs::refusals::{self, AGAIN};
-use crate::quantity::{Pass, UM_PER_MM};
+use crate::quantity::{Pass, UM_PER_MM, ends};
 use crate::text::{LengthUnit, shown};
 
 /// The version of the format that was available.
@@ -237,8 +237,7 @@ impl<'a> Measured<'a> {
     /// Names and values of air and material in words; `None` = no sensor was connected.
     fn noted(&self) -> impl Iterator<Item = (&'a str, Option<String>)> {
         self.sensors.iter().map(|(name, values)| {
-            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let (low, high) = ends(values.iter().copied());
             let words = if low < high { format!("{low} … {high}") } else { low.to_string() };
             let is_absent = values.iter().all(|value| [NO_SENSOR].contains(value));
             (*name, (!is_absent).then_some(format!("{name} {words}")))

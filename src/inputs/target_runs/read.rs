@@ -118,10 +118,8 @@ impl<'a> Layout<'a> {
             let cells = self.cells(row);
             all += cells.len();
             if all > MOST_READINGS {
-                let message =
-                    format!("here are more than {MOST_READINGS} readings, too many for a test");
-                let help = "check that the file is a test of one axis";
-                row.cell(&self.table.columns[0]).refuse(message, help);
+                let cell = row.cell(&self.table.columns[0]);
+                cell.refuse(refusals::too_many_readings(MOST_READINGS));
                 return None;
             }
             let (line, target) = (row.line, target?);

@@ -7,11 +7,12 @@
 
 use crate::control::checklist::Listed;
 use crate::control::controller::{Evidence, KitFile, Role, Statement};
-use crate::kit::loaded::{KEEP_TO_THE_FORMAT, Made};
+use crate::kit::loaded::Made;
+use crate::kit::refusals;
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{ReadBack, emulator, read_apart};
-use crate::text::{BLANK, Finding, Problem, Problems, joined};
+use crate::text::{BLANK, Finding, Problems, joined};
 use crate::write::compensation::{Compiled, trimmed};
 use crate::write::emit::{self, Emitted};
 use crate::write::plan::{Plan, Task, axis_pairs};
@@ -57,17 +58,18 @@ impl Proofs {
             }
             let tables = read_proof(made, &own)?.tables;
             if tables != proof.tables {
-                return Err(shows_otherwise("they hold other tables than were meant"));
+                let why = "they hold other tables than were meant";
+                return Err(refusals::other_proof(why).into());
             }
             loaded.load(tables);
             written.push((proof, own.iter().map(|file| file.path.clone()).collect::<Vec<_>>()));
             files.extend(own);
         }
         let control = emulator(profile, &loaded, &made.compiled.state)
-            .map_err(|reason| shows_otherwise(&reason.0))?;
+            .map_err(|reason| refusals::other_proof(reason.0))?;
         let shown = written.into_iter().map(|(proof, files)| {
             let shows_um = shown_um(&made.plan, control.as_ref(), &proof)
-                .map_err(|reason| shows_otherwise(&reason.0))?;
+                .map_err(|reason| refusals::other_proof(reason.0))?;
             let (sign, term) = (proof.of.sign_fact, proof.term);
             let [from_mm, peak_mm, to_mm] = proof.bump.places();
             let other_sign_um = -shows_um;
@@ -94,16 +96,11 @@ pub(super) fn files_of(
 fn read_proof(made: &Made<'_>, files: &[KitFile]) -> Result<ReadBack, Problems> {
     let read = read_apart(&made.inputs.profile, files, Role::SignProof)?;
     match read.machine_data.iter().find(|file| !file.data.is_empty()) {
-        Some(file) => Err(shows_otherwise(&format!("`{}` sets machine data", file.path))),
+        Some(file) => {
+            Err(refusals::other_proof(format!("`{}` sets machine data", file.path)).into())
+        }
         None => Ok(read),
     }
-}
-
-fn shows_otherwise(why: &str) -> Problems {
-    let words = format!(
-        "the files of the sign proof do not do what was meant, so nothing is written: {why}"
-    );
-    Problem::new(words).help(KEEP_TO_THE_FORMAT).into()
 }
 
 /// The same in both directions and on every physical axis, and nothing beside the bump.

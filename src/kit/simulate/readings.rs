@@ -7,6 +7,7 @@ use crate::inputs::job::{DiagonalMeasurement, MeasuredData};
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
+use crate::kit::refusals;
 use crate::machine::model::Measured;
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::readings::{DiagonalFigures, figures};
@@ -14,7 +15,7 @@ use crate::quantity::{
     Axis, Deviation, Diagonal, Direction, ErrorTerm, Figure, Millimetres, Pass, PathKind, PerAxis,
     PerDiagonal, Run, SAME_PLACE_MM, Squared,
 };
-use crate::text::{Finding, MOST_LINES, Problem, Problems, plain};
+use crate::text::{Finding, MOST_LINES, Problems, plain};
 use crate::write::emit::TOOL;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
@@ -95,8 +96,7 @@ impl Rehearsal {
         let rows = nodes.saturating_mul(passes).saturating_mul(runs);
         let most = MOST_LINES - MOST_COMMENTS;
         if rows > most {
-            let message = format!("there would be {rows} readings, expected at most {most}");
-            problems.push(Problem::new(message).help("fewer runs, or fewer steps"));
+            problems.push(refusals::many_readings(rows, most));
         }
     }
 
@@ -191,16 +191,14 @@ impl Rehearsal {
         let of_errors = matches!(job.measurement.data, MeasuredData::Errors(_));
         let key = if of_errors { "measurement.errors" } else { "measurement.readings" };
         for words in not_known(model, |_, _| true) {
-            let help = "measure them, or predict what was measured with `--errors`";
-            problems.push(job.problem_at(key, words).help(help));
+            problems.push(job.source.at(key, refusals::not_measured(words)));
         }
         let key = match &job.program {
             Some(program) if of_errors => program.size_path,
             _ => "measurement.step_diagonal.size_mm",
         };
         for words in outside(model, &self.measurement.volume) {
-            let help = "keep the box inside the measured range: nothing is extrapolated";
-            problems.push(job.problem_at(key, words).help(help));
+            problems.push(job.source.at(key, refusals::outside_measured(words)));
         }
     }
 }

@@ -4,8 +4,10 @@ use super::{Begun, COMMENTS, error_table, quoted, table_name};
 use crate::control::controller::JobKey;
 use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{ActiveTables, Job, Linear, LinearSlope, UseOf};
+use crate::kit::refusals;
 use crate::quantity::{Axis, Plane};
-use crate::text::{Problem, Problems, Source, header_and_rows, line};
+use crate::read::file_name;
+use crate::text::{Problems, Source, header_and_rows, line};
 use std::ops::Range;
 
 /// Decisions and values of the earlier day that a new kit may not take over unseen.
@@ -123,7 +125,7 @@ impl Earlier<'_> {
             let key = |key: &str| format!("{RUN}.linear[{index}].{key}");
             page.set(&key("slope_um_per_m"), quoted(""));
             if let LinearSlope::Errors(path) = &linear.slope {
-                page.set(&key("errors"), quoted(&file_name(path)));
+                page.set(&key("errors"), quoted(file_name(path)));
             }
         }
         for index in 0..how.beams.len() {
@@ -147,13 +149,7 @@ impl Earlier<'_> {
         match read {
             Ok(job) if is_new(&job) => Ok(text),
             Err(problems) if !self.held.is_empty() => Err(problems),
-            _ => {
-                let name = &self.job.source.name;
-                let words = format!("`{name}` is laid out in a way that cannot be carried over");
-                let help =
-                    "copy it, write `active_while_measuring` and empty what belonged to that day";
-                Err(Problem::new(words).help(help).into())
-            }
+            _ => Err(refusals::other_layout(&self.job.source.name).into()),
         }
     }
 }
@@ -202,10 +198,6 @@ impl Page<'_> {
         }
         text
     }
-}
-
-fn file_name(path: &str) -> String {
-    path.rsplit(['/', '\\']).next().unwrap_or(path).to_string()
 }
 
 /// The measured positions of a table, without values.

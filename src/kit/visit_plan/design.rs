@@ -7,6 +7,7 @@ use crate::inputs::job::{
     ProgramRequest, RunType,
 };
 use crate::judge::forecast::range_of;
+use crate::kit::refusals;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::{Instrument, Part, Separation, expected};
@@ -290,10 +291,7 @@ fn ensure_axes(job: &Job) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if job.machine.axes[axis].is_none() {
-            let words =
-                format!("{axis} is to be measured, but [machine.axes.{}] is missing", axis.key());
-            let problem = job.problem_at("machine.axes", words);
-            problems.push(problem.help("add travel_mm and reference_mm of this axis"));
+            problems.push(job.source.at("machine.axes", refusals::no_axis(axis, axis.key())));
         }
     }
     problems.or_ok(())
@@ -304,6 +302,5 @@ fn no_run(job: &Job) -> Problem {
         Some(_) => "program.what",
         None => "measurement",
     };
-    job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
-        .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/measuring.md); `nonius new … --readings` writes them")
+    job.source.at(key, refusals::no_run())
 }

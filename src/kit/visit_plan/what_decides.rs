@@ -51,7 +51,7 @@ pub struct Act {
     /// What the largest of all errors, or of all diagonals, would be at most, µm.
     pub at_most_um: f64,
     /// `pass` where that can be counted on, `undecided` where it cannot.
-    pub verdict: &'static str,
+    pub verdict: Verdict,
     /// What is measured for it.
     #[serde(skip)]
     pub measured: Measured,
@@ -264,12 +264,12 @@ impl Act {
             (Some(change), false) => change,
             (None, _) => "new tables from this measurement, measured again".to_string(),
         };
-        let verdict = if of.1 { Verdict::Pass } else { Verdict::Undecided }.word();
+        let verdict = if of.1 { Verdict::Pass } else { Verdict::Undecided };
         Act { what, minutes: None, at_most_um: rounded(of.0, DIGITS), verdict, measured }
     }
 
     fn passes(&self) -> bool {
-        self.verdict == Verdict::Pass.word()
+        self.verdict == Verdict::Pass
     }
 
     /// What passes by its time, then what is at most least.
@@ -286,6 +286,7 @@ impl fmt::Display for WhatDecides {
         write!(out, "what decides: {term}, {left_um:.3} µm left; beside it {parts}")?;
         for Act { what, minutes, at_most_um, verdict, .. } in &self.acts {
             let minutes = minutes.map_or(String::new(), |minutes| format!(" ({minutes:.0} min)"));
+            let verdict = verdict.word();
             write!(out, "\n  {what}{minutes}: at most {at_most_um:.3} µm: {verdict}")?;
         }
         write!(out, "\n  the smallest limit that these data prove is {at_most_um:.3} µm")

@@ -161,7 +161,7 @@ impl Report<'_> {
             let minutes = act.minutes.map(|_| self.fill("act_minutes", [minutes]));
             let what = [Some(self.act(&act.measured)), minutes];
             let what = what.into_iter().flatten().collect::<Vec<_>>().join(" ");
-            let verdict = ("verdict", self.t(act.verdict));
+            let verdict = ("verdict", self.t(act.verdict.word()));
             self.fill("act", [("what", what), um(&format!("acts/{index}/at_most_um")), verdict])
         });
         std::iter::once(self.fill("decides", facts)).chain(acts).collect()
