@@ -106,8 +106,12 @@ impl<'a> Page<'a> {
     ) -> Result<Page<'a>, Problems> {
         let second = after.map(|path| Second::read(files, inputs, path, directory)).transpose()?;
         let verification = read_directory(files, inputs, directory)?.verify(inputs)?;
-        let second = second.map(|second| {
+        let second = second.map(|mut second| {
             second.ensure_active(inputs, &verification.loaded)?;
+            if let Some(control) = &verification.effect {
+                let before = inputs.machine().uncompensated;
+                second.measurement.zeroed(before, control, &inputs.job);
+            }
             let corrected = || second::corrected(files, inputs, job);
             let look = second_look(&verification, &second.measurement, corrected)?;
             Ok::<_, Problems>((second, look))

@@ -197,7 +197,7 @@ findings! {
     InSum {
         Dropped { term: ErrorTerm } => Note, "{term}: the active tables correct it, it was not measured, and the new tables do without it (`active_terms_not_measured = \"drop\"`)";
         Kept { term: ErrorTerm } => Note, "{term}: it was not measured; the correction of the active tables is carried over (`active_terms_not_measured = \"keep\"`), and nothing is forecast for it";
-        DirectionsKept { term: ErrorTerm } => Note, "{term}: what was active differs with the direction (tables, or the backlash parameter) and the measurement does not; the difference is carried over from it";
+        DirectionsKept { term: ErrorTerm } => Note, "{term}: what was active differs with the direction (tables, or the backlash parameter) and the measurement does not tell how; the difference is carried over from it";
         Zeros { tables: String } => Note, "the active tables of {tables} hold zeros: old = 0";
         Interpolated { axes: Vec<String> } => Note, "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points", axes.join(", ");
         Turned { axes: Vec<String> } => Note, "3605#1 of axis {} was not what the job states (`interpolated`) while measuring: the forecast is for what the job states", axes.join(", ");

@@ -43,9 +43,17 @@ pub struct MeasuredTerm {
     pub measured: Measured,
     /// Standard uncertainty at each measured position; empty = not stated.
     pub uncertainty: Vec<PointUncertainty>,
+    /// Where it was measured, of two directions over the range that both cover.
+    pub(crate) places: Vec<Millimetres>,
 }
 
 impl MeasuredTerm {
+    /// Measured at the knots of its curves.
+    pub(crate) fn new(measured: Measured, uncertainty: Vec<PointUncertainty>) -> MeasuredTerm {
+        let places = measured.mean().knots().to_vec();
+        MeasuredTerm { measured, uncertainty, places }
+    }
+
     /// Largest standard uncertainty (k = 1) of a value against that at the reference, µm; `None` =
     /// not stated.
     pub(crate) fn u_um(&self) -> Option<f64> {
@@ -84,7 +92,7 @@ impl MeasuredTerm {
             return None;
         };
         let difference = plus.difference(minus)?;
-        Some(Deviation::from_um(mean(difference.knots().iter().map(|at| difference.at(*at).um()))))
+        Some(Deviation::from_um(mean(self.places.iter().map(|at| difference.at(*at).um()))))
     }
 
     /// Adds a slope, µm/m. Outside the measured range the tilt is held with the curve, so off that range the line has its
@@ -94,9 +102,17 @@ impl MeasuredTerm {
         let Some(curve) = homing.or(self.curves().next()) else { return };
         let (low, high) = curve.measured_range();
         let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
-        let ways = self.measured.ways();
-        let tilted = ways.map(|(way, curve)| (way, curve.plus_slope(um_per_m, zero)));
-        self.measured = Measured::of(tilted).unwrap_or_else(|| self.measured.clone());
+        self.each(|curve| curve.plus_slope(um_per_m, zero));
+    }
+
+    /// Adds the same everywhere.
+    pub(crate) fn shift(&mut self, by: Deviation) {
+        self.each(|curve| curve.less(Deviation::ZERO - by));
+    }
+
+    fn each(&mut self, of: impl Fn(&ErrorCurve) -> ErrorCurve) {
+        let changed = Measured::of(self.measured.ways().map(|(way, curve)| (way, of(curve))));
+        self.measured = changed.unwrap_or_else(|| self.measured.clone());
     }
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
@@ -140,6 +156,7 @@ impl ErrorModel {
     pub(crate) fn of(of: UseOf, job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
         let mut problems = Problems::none();
         measured::check_places(job, table, &mut problems);
+        measured::check_optics(job, &mut problems);
         let terms = PerTerm::from_fn(|term| measured_term(job, table, term));
         let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
             let of = of.as_ref()?;
@@ -179,6 +196,7 @@ impl ErrorModel {
             unused: measured::not_compensated(table).into_iter().chain(other).collect(),
             remarks,
         };
+        model.add_levers(job, &model.rotations.clone());
         model.add_squareness(job, &mut problems);
         problems.or_ok(model)
     }
@@ -234,9 +252,21 @@ impl ErrorModel {
     /// knows which of them counts. Deviations beside the angles are not read, and a note says so.
     pub(crate) fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
         self.rotations = measured::added(job, table, &self.rotations)?;
+        self.add_levers(job, &measured::rotations(job, table));
         let unused = measured::not_compensated(table).into_iter();
         self.unused = unused.chain(measured::deviations_beside(table)).collect();
         Ok(())
+    }
+
+    /// Adds what these angles do to a straightness that was measured on the table.
+    fn add_levers(&mut self, job: &Job, rotations: &PerTerm<Option<Measured>>) {
+        for term in ErrorTerm::ALL {
+            if let Some(own) = &mut self.terms[term]
+                && let Some(with) = measured::at_tool_point(job, (term, &own.measured), rotations)
+            {
+                own.measured = with;
+            }
+        }
     }
 
     // The squareness of two axes in the curves of their cross terms: the sum of both slopes. A straightness that was evaluated
@@ -324,7 +354,7 @@ fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<Measu
     let zero = curve(zeroed)?.at(machine.reference);
     let curves = measured.iter().filter_map(|s| Some((s.direction, curve(s)?.less(zero))));
     let uncertainty = points(job, (&measured, zeroed), term, machine);
-    Some(MeasuredTerm { measured: Measured::of(curves)?, uncertainty })
+    Some(MeasuredTerm::new(Measured::of(curves)?, uncertainty))
 }
 
 /// Standard uncertainty (k = 1) at one measured position.

@@ -13,7 +13,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MachineAxis};
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
-use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres};
+use crate::quantity::{AT_PLACE_MM, Axis, Direction, ErrorTerm, Millimetres};
 use crate::text::{Finding, Problems};
 pub(crate) use crate::write::control_text::trimmed;
 pub(crate) use crate::write::family::stated_control;
@@ -180,7 +180,15 @@ fn reference_directions(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Ass
 /// What to look at in the measured values before tables are made from them.
 pub(super) fn slips(model: &ErrorModel) -> Vec<TableFinding> {
     let lone = model.measured().flat_map(|(term, measured)| {
-        measured.measured.ways().filter_map(move |(way, curve)| lone_value(term, way, curve))
+        let is_own = |at: &&Millimetres| {
+            measured.places.iter().any(|place| (*place - **at).mm().abs() <= AT_PLACE_MM)
+        };
+        let ways = measured.measured.ways();
+        ways.filter_map(move |(way, curve)| {
+            let values =
+                curve.knots().iter().filter(is_own).map(|at| (at.mm(), curve.at(*at).um()));
+            lone_value(term, way, values.collect())
+        })
     });
     unlikely_reversals(model).chain(lone).collect()
 }
@@ -203,15 +211,13 @@ const STANDS_OUT: f64 = 5.0;
 /// Below it a value does no harm, µm.
 const HARMLESS_UM: f64 = 1.0;
 
-/// The value without which all others lie on lines through their neighbours at least five times better than
+/// Of values at places, mm and µm: that without which all others lie on lines through their neighbours at least five times better than
 /// it does. A bend or a jump is none: without one of its values the next one stands out.
 fn lone_value(
     term: ErrorTerm,
     direction: Option<Direction>,
-    curve: &ErrorCurve,
+    mut points: Vec<(f64, f64)>,
 ) -> Option<TableFinding> {
-    let at = |at: &Millimetres| (at.mm(), curve.at(*at).um());
-    let mut points: Vec<(f64, f64)> = curve.knots().iter().map(at).collect();
     if points.len() < FEWEST {
         return None;
     }
@@ -241,15 +247,11 @@ fn worst(points: &[(f64, f64)]) -> Option<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quantity::{Deviation, Interpolation};
 
     /// Position and size of the value that stands out of values at 0, 30, 60 … mm.
     fn lone(um: &[f64]) -> Option<(f64, f64)> {
-        let places: Vec<Millimetres> =
-            (0u32..).map(|n| Millimetres::new(f64::from(n) * 30.0)).take(um.len()).collect();
-        let values: Vec<Deviation> = um.iter().copied().map(Deviation::from_um).collect();
-        let curve = ErrorCurve::through(&places, &values, Interpolation::Linear);
-        match lone_value(ErrorTerm::ALL[0], None, &curve)? {
+        let values = (0u32..).map(|n| f64::from(n) * 30.0).zip(um.iter().copied()).collect();
+        match lone_value(ErrorTerm::ALL[0], None, values)? {
             TableFinding::LoneValue { at_mm, off_um, .. } => Some((at_mm, off_um)),
             _ => None,
         }

@@ -223,31 +223,31 @@ impl Sum<'_> {
         let Some(own) = &self.model.terms[term] else {
             self.notes.push(InSum::Kept { term });
             let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
-            self.model.terms[term] =
-                Some(MeasuredTerm { measured: one_if_same(plus, minus), uncertainty: Vec::new() });
+            self.model.terms[term] = Some(MeasuredTerm::new(one_if_same(plus, minus), Vec::new()));
             return;
         };
         let with = |curve: &ErrorCurve, direction| {
             let steps = steps(old.way(direction), curve, &nodes, kind);
             steps.map_or_else(|| curve.clone(), |steps| curve.plus(&steps)).plus(&held(direction))
         };
+        let both = |curve: &ErrorCurve| {
+            one_if_same(with(curve, Direction::Plus), with(curve, Direction::Minus))
+        };
         let measured = match &own.measured {
-            Measured::OneWay(direction, curve) => {
-                Measured::OneWay(*direction, with(curve, *direction))
-            }
+            Measured::OneWay(direction, curve) => match both(curve) {
+                Measured::Undirected(sum) => Measured::OneWay(*direction, sum),
+                apart => apart,
+            },
             Measured::BothWays { plus, minus } => Measured::BothWays {
                 plus: with(plus, Direction::Plus),
                 minus: with(minus, Direction::Minus),
             },
-            Measured::Undirected(curve) => {
-                one_if_same(with(curve, Direction::Plus), with(curve, Direction::Minus))
-            }
+            Measured::Undirected(curve) => both(curve),
         };
         if measured.has_both_ways() && !own.measured.has_both_ways() {
             self.notes.push(InSum::DirectionsKept { term });
         }
-        let uncertainty = own.uncertainty.clone();
-        self.model.terms[term] = Some(MeasuredTerm { measured, uncertainty });
+        self.model.terms[term] = Some(MeasuredTerm { measured, ..own.clone() });
     }
 }
 

@@ -1,12 +1,14 @@
 //! The measurement afterwards, and what each of its values sees.
 
 use crate::inputs::error_table::is_simulated;
+use crate::inputs::job::Job;
 use crate::judge::field::Field;
 use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::readings::Walk;
 use crate::quantity::{
-    Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerDiagonal, Squared, Volume,
+    Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerDiagonal, Squared,
+    Volume,
 };
 use crate::text::Finding;
 
@@ -56,6 +58,23 @@ impl AfterMeasurement {
         match self {
             AfterMeasurement::Errors(model) => model.laser_um_per_m,
             AfterMeasurement::Diagonals(runs) => runs.laser_um_per_m,
+        }
+    }
+
+    /// The same, with the zero of the forecast where the reference lies outside what was measured: e + correction at the
+    /// nearest end less that at the reference, in place of nothing. `before`: the machine without tables.
+    pub(crate) fn zeroed(&mut self, before: &ErrorModel, control: &Field, job: &Job) {
+        let AfterMeasurement::Errors(model) = self else { return };
+        for term in ErrorTerm::ALL {
+            let known = (&mut model.terms[term], &before.terms[term]);
+            let (Some(own), Some(known)) = known else { continue };
+            let Some(machine) = job.machine.axes[term.along] else { continue };
+            let (way, reference) = (machine.homing(), machine.reference);
+            let Some(curve) = known.measured.curve(way) else { continue };
+            let left = |at| (curve.at(at) + control.correction(term, way, at)).um();
+            let (low, high) = own.measured.mean().measured_range();
+            let end = Millimetres::new(reference.mm().clamp(low.mm(), high.mm()));
+            own.shift(Deviation::from_um(left(end) - left(reference)));
         }
     }
 
