@@ -5,9 +5,9 @@ use crate::cli::screen::{More, Screen, paragraphs, shell_word, table, wrapped};
 use crate::cli::show;
 use crate::cli::verify::Page;
 use crate::control::controller::Role;
-use crate::inputs::job::{BacklashPolicy, one_for_all, policies_as_stated};
+use crate::inputs::job::{one_for_all, policies_as_stated};
 use crate::judge::conformity::Verdict;
-use crate::kit::alternatives::{Compared, compare};
+use crate::kit::alternatives::{Compared, Policies, compare};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{self, Inputs, Kit, generate, remarks};
 use crate::quantity::{Axis, PerAxis};
@@ -205,9 +205,6 @@ fn screen_of_all(inputs: &Inputs, compared: &[Compared]) -> Screen {
         ))
     }
 }
-
-/// The backlash policies of each axis.
-type Policies = PerAxis<Option<BacklashPolicy>>;
 
 /// The policy as a job states it; where one axis has another one than in the job, that of this axis.
 fn policy(compared: &Compared, own: &Policies) -> String {

@@ -14,7 +14,7 @@ use crate::text::{Finding, Problems, Word, findings, joined, words};
 use serde::Serialize;
 
 /// The backlash policy of each axis.
-type Policies = PerAxis<Option<BacklashPolicy>>;
+pub type Policies = PerAxis<Option<BacklashPolicy>>;
 
 /// What tables made otherwise would leave.
 #[derive(Serialize)]

@@ -27,11 +27,10 @@ refusals! {
     unknown_key(name, section, help) => "unknown key `{name}`{section}", help;
     only_with(path, with) => "`{path}` as it stands goes only with {with}", format!("remove or change it, or write {with}");
     not_both(key, other, help) => "`{other}` and `{key}` are both given, expected one of the two", help;
-    out_of_range(path, written, expected, help) => "`{path}` is `{written}`, expected {expected}", help;
+    other_value(key, found, expected, help) => "`{key}` is `{found}`, expected {expected}", help;
     backwards(path, low, high) => "`{path}` makes a range from {low} to {high} mm, expected the smaller coordinate first", "write the smallest machine coordinate, then the largest";
     outside(path, axis, at, range, low, high) => "`{path}` puts {axis} at {at} mm, outside {range} {low} … {high} mm", "machine coordinates are meant: check them, and `travel_mm`";
     unseen(path) => "`{path}` holds a line break or another character that is not seen", "write it in one line of plain letters and digits";
-    other_text(key, text, expected, help) => "`{key}` is `{text}`, expected {expected}", help;
     // Tables.
     open_quote() => "a quotation mark is opened but not closed in this row", "remove it; numbers need none";
     other_length(found, expected, help) => "the row has {found}, expected {expected} as in the header", help;

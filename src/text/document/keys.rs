@@ -122,7 +122,7 @@ impl Section<'_> {
             return Some(value);
         }
         let (path, written) = (self.path_of(key), self.written(key));
-        self.refuse(key, refused::out_of_range(path, written, expected(), help));
+        self.refuse(key, refused::other_value(path, written, expected(), help));
         None
     }
 
@@ -202,7 +202,7 @@ impl Section<'_> {
         let text = self.text(key)?;
         let value = read(&text);
         if value.is_none() {
-            self.refuse(key, refused::other_text(key, shown(&text), expected, help));
+            self.refuse(key, refused::other_value(key, shown(&text), expected, help));
         }
         value
     }
