@@ -25,6 +25,8 @@ use std::path::{Path, PathBuf};
 
 /// A chain of hashes cannot close to a ring; this bounds one of damaged links.
 const LONGEST_CHAIN: usize = 1000;
+/// Kits that `--force` kept beside a place and that are looked at: some may be gone.
+const MOST_KEPT: usize = 100;
 
 // Options of `history`.
 #[derive(Args, Debug)]
@@ -83,7 +85,7 @@ fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
             return Ok(Chain { end: "read-out", read_out: Some(predecessor.clone()), ..chain });
         };
         let found = match chain.kits.len() < LONGEST_CHAIN {
-            true => find(files, Path::new(&link.directory), path, hash),
+            true => find(files, link, path, hash),
             false => Err("the chain is too long to be followed".to_string()),
         };
         match found {
@@ -128,15 +130,17 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
 }
 
 /// The kit of this hash at one of the places where a predecessor lies.
-fn find(files: &dyn Files, kit: &Path, path: &str, hash: &str) -> Result<Link, String> {
+fn find(files: &dyn Files, link: &Link, path: &str, hash: &str) -> Result<Link, String> {
+    let kit = Path::new(&link.directory);
     let parent = kit.parent().unwrap_or(Path::new(""));
     let last = Path::new(path).file_name().unwrap_or_default();
     let beside = [kit.join(path), parent.join(path), parent.join(last)];
-    let kept = beside.iter().flat_map(|place| {
-        (1..).map(|number| previous(place, number)).take_while(|kept| files.kind(kept).is_ok())
-    });
-    let places = beside.iter().cloned().chain(kept).filter(|place| place != kit);
-    let found: Vec<Link> = places.filter_map(|place| read_link(files, &place).ok()).collect();
+    let kept =
+        beside.iter().flat_map(|place| (1..=MOST_KEPT).map(|number| previous(place, number)));
+    let places = beside.iter().cloned().chain(kept);
+    let links = places.filter_map(|place| read_link(files, &place).ok());
+    let is_other = |own: &Link| own.manifest_sha256 != link.manifest_sha256;
+    let found: Vec<Link> = links.filter(is_other).collect();
     let other = found.first().map(|link| link.directory.clone());
     match (found.into_iter().find(|link| link.manifest_sha256 == hash), other) {
         (Some(link), _) => Ok(link),

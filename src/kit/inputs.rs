@@ -9,7 +9,7 @@ use crate::judge::family::family;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::refusals;
 use crate::kit::visit_plan::Judged;
-use crate::machine::model::ErrorModel;
+use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
@@ -128,6 +128,10 @@ impl Inputs {
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (mut model, notes) =
             active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
+        // Where the directions of the old tables are carried over, what was measured counts in both.
+        for (term, _) in model.measured().filter(|(_, sum)| sum.measured.has_both_ways()) {
+            self.model.terms[term].iter_mut().for_each(MeasuredTerm::count_both_ways);
+        }
         // What the old tables correct is known; a residual may well be level.
         let open = model.level();
         self.model.lacks_squareness(open.clone());

@@ -43,15 +43,14 @@ pub struct MeasuredTerm {
     pub measured: Measured,
     /// Standard uncertainty at each measured position; empty = not stated.
     pub uncertainty: Vec<PointUncertainty>,
-    /// Where it was measured, of two directions over the range that both cover.
-    pub(crate) places: Vec<Millimetres>,
+    /// Where it was measured, if its curves have knots beside these: of old tables.
+    pub(crate) places: Option<Vec<Millimetres>>,
 }
 
 impl MeasuredTerm {
     /// Measured at the knots of its curves.
     pub(crate) fn new(measured: Measured, uncertainty: Vec<PointUncertainty>) -> MeasuredTerm {
-        let places = measured.mean().knots().to_vec();
-        MeasuredTerm { measured, uncertainty, places }
+        MeasuredTerm { measured, uncertainty, places: None }
     }
 
     /// Largest standard uncertainty (k = 1) of a value against that at the reference, µm; `None` =
@@ -92,7 +91,8 @@ impl MeasuredTerm {
             return None;
         };
         let difference = plus.difference(minus)?;
-        Some(Deviation::from_um(mean(self.places.iter().map(|at| difference.at(*at).um()))))
+        let places = self.places.as_deref().unwrap_or(difference.knots());
+        Some(Deviation::from_um(mean(places.iter().map(|at| difference.at(*at).um()))))
     }
 
     /// Adds a slope, µm/m. Outside the measured range the tilt is held with the curve, so off that range the line has its
@@ -113,6 +113,14 @@ impl MeasuredTerm {
     fn each(&mut self, of: impl Fn(&ErrorCurve) -> ErrorCurve) {
         let changed = Measured::of(self.measured.ways().map(|(way, curve)| (way, of(curve))));
         self.measured = changed.unwrap_or_else(|| self.measured.clone());
+    }
+
+    /// Takes what was measured in one direction for both.
+    pub(crate) fn count_both_ways(&mut self) {
+        if let Measured::OneWay(_, curve) = &self.measured {
+            self.measured = Measured::Undirected(curve.clone());
+            self.uncertainty.iter_mut().for_each(|point| point.direction = None);
+        }
     }
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.

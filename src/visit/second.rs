@@ -8,6 +8,7 @@ use crate::judge::after::{AfterMeasurement, ensure_same_machine, same_slopes};
 use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::compare;
 use crate::judge::disagreement::contents::measuring_systems;
+use crate::judge::findings::AsLeft;
 use crate::kit::findings::KitFinding;
 use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, Loaded, emulator};
@@ -186,7 +187,19 @@ fn of_job(
     let errors = inputs::errors(files)?;
     let mut model = ErrorModel::build(job, &*errors.table(job)?)?;
     model.remarks.doubts.splice(0..0, same_slopes(first, job));
+    model.remarks.doubts.extend(earlier(first, job));
     Ok((AfterMeasurement::Errors(Box::new(model)), Some(errors)))
+}
+
+/// A second measurement before the first one, where both dates are written as 2026-11-24.
+fn earlier(first: &Job, second: &Job) -> Option<Finding> {
+    let is_day = |date: &&String| {
+        let parts = date.split('-').map(str::len).eq([4, 2, 2]);
+        parts && date.bytes().all(|byte| byte == b'-' || byte.is_ascii_digit())
+    };
+    let [first, second] = [first, second].map(|job| job.measurement.date.as_ref().filter(is_day));
+    let (first, second) = (first?.clone(), second?.clone());
+    (second < first).then(|| AsLeft::Earlier { first, second }.into())
 }
 
 /// The machine as found under each slip of the records of the first measurement; none where its job

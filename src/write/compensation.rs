@@ -180,8 +180,13 @@ fn reference_directions(task: Task<'_>, plan: &Plan) -> impl Iterator<Item = Ass
 /// What to look at in the measured values before tables are made from them.
 pub(super) fn slips(model: &ErrorModel) -> Vec<TableFinding> {
     let lone = model.measured().flat_map(|(term, measured)| {
-        let is_own = |at: &&Millimetres| {
-            measured.places.iter().any(|place| (*place - **at).mm().abs() <= AT_PLACE_MM)
+        let is_near = |places: &[Millimetres], at: Millimetres| {
+            let near = |mm: f64| at.mm() + mm;
+            let next = places.partition_point(|place| place.mm() < near(-AT_PLACE_MM));
+            places.get(next).is_some_and(|place| place.mm() <= near(AT_PLACE_MM))
+        };
+        let is_own = move |at: &&Millimetres| {
+            measured.places.as_ref().is_none_or(|places| is_near(places, **at))
         };
         let ways = measured.measured.ways();
         ways.filter_map(move |(way, curve)| {

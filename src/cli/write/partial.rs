@@ -6,7 +6,7 @@
 use crate::cli::screen::say;
 use crate::visit::files::printed;
 use std::fs::{self, File, TryLockError};
-use std::io::{ErrorKind, Result};
+use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 use std::time::Duration;
@@ -109,6 +109,13 @@ impl Partial {
         builder.prefix(&prefix).rand_bytes(CHANCE);
         with_mode(&mut builder, mode);
         let mut made = made();
+        let is_same = |own: &PathBuf| {
+            let name = own.file_name().unwrap_or_default().to_string_lossy();
+            own.parent() == Some(&parent) && name.starts_with(&prefix)
+        };
+        if made.paths.iter().any(is_same) {
+            return Err(Error::other("this run writes something else there"));
+        }
         let (path, _lock) = new(&builder, &parent)?;
         made.paths.push(path.clone());
         drop(made);

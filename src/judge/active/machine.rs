@@ -247,7 +247,8 @@ impl Sum<'_> {
         if measured.has_both_ways() && !own.measured.has_both_ways() {
             self.notes.push(InSum::DirectionsKept { term });
         }
-        self.model.terms[term] = Some(MeasuredTerm { measured, ..own.clone() });
+        let places = Some(own.measured.mean().knots().to_vec());
+        self.model.terms[term] = Some(MeasuredTerm { measured, places, ..own.clone() });
     }
 }
 

@@ -7,8 +7,8 @@ use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::readings::Walk;
 use crate::quantity::{
-    Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind, PerDiagonal, Squared,
-    Volume,
+    AT_PLACE_MM, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind,
+    PerDiagonal, Squared, Volume,
 };
 use crate::text::Finding;
 
@@ -74,7 +74,9 @@ impl AfterMeasurement {
             let left = |at| (curve.at(at) + control.correction(term, way, at)).um();
             let (low, high) = own.measured.mean().measured_range();
             let end = Millimetres::new(reference.mm().clamp(low.mm(), high.mm()));
-            own.shift(Deviation::from_um(left(end) - left(reference)));
+            if (end - reference).mm().abs() > AT_PLACE_MM {
+                own.shift(Deviation::from_um(left(end) - left(reference)));
+            }
         }
     }
 

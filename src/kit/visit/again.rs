@@ -185,8 +185,10 @@ impl Page<'_> {
     /// Leaves out the line of a key.
     fn remove(&mut self, path: &str, key: &str) {
         let line = self.line(path);
-        let is_own =
-            |line: &Range<usize>| self.source.text[line.clone()].trim_start().starts_with(key);
+        let is_own = |line: &Range<usize>| {
+            let text = self.source.text[line.clone()].trim_start();
+            text.trim_start_matches(['"', '\'']).starts_with(key)
+        };
         self.changes.extend(line.filter(is_own).map(|line| (line, String::new())));
     }
 
