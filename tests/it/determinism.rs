@@ -11,10 +11,8 @@ const COMMANDS: &[(&str, &str)] = &[
     ("start/errors", "generate {}job.toml -o {}kit --format json"),
     ("nine_errors_900", "generate {}siemens-840d-sl.toml -o {}kit"),
     ("nine_errors_900", "generate {}fanuc-30i.toml -o {}kit"),
-    // The pairs of its histogram are counted on all cores.
     ("machine_h", "assess {}job.toml --window 6000,2000,1000 --histogram 50 --format json"),
     ("diagonals/case_b_setup", "generate {}job.toml -o {}kit"),
-    // Trials are done in blocks of 64 on all cores.
     ("diagonals/case_b_setup", "separate {}job.toml -o {}e.csv --trials 100 --format json"),
     ("diagonals/case_b_setup", "separate {}job.toml --trials 200"),
     ("start/errors", "simulate {}job.toml --errors -o {}after.csv"),

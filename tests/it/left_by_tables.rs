@@ -228,7 +228,6 @@ fn an_optic_on_the_table_counts_where_it_was_measured() {
     visit.edit("job.toml", "wXYZt", "XwYZt");
     let va = defined(&visit.json("assess job.toml"), "va_um");
     near("finer", va, defined(&visit.json("assess job.toml --grid 21,21,2"), "va_um"), LAST_DIGIT);
-    // ECX·y, and the lever of X at its start.
     near("VA", va, 45.0 * 2_f64.sqrt(), LAST_DIGIT);
     let kit = visit.json("generate job.toml --dry-run");
     near("EYX", kit["terms"]["EYX"]["before_um"].as_f64().unwrap(), 45.0, LAST_DIGIT);

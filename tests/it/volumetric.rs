@@ -78,9 +78,8 @@ fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
         let turn = Rotation3::new(Vector3::new(a, b, c) * 1e-6).to_homogeneous();
         // What was measured on a table is zero at the first node.
         let [.., a, b, c] = machine.row(axis, 0);
-        let first = Vector3::ith(own, machine.positions[axis][0] - OFFSETS[own]) * 1e-3;
         let on_table = f64::from(machine.chain.moves_workpiece(axis));
-        let zero = Vector3::new(a, b, c).cross(&first) * on_table;
+        let zero = Vector3::new(a, b, c).cross(&Vector3::ith(own, -1e-3 * OFFSETS[own])) * on_table;
         let error = translation([x - zero.x, y - zero.y, z - zero.z].map(|um| um * 1e-3)) * turn;
         chain *= if machine.chain.moves_workpiece(axis) { error * travel } else { travel * error };
         nominal[own] += arm;
