@@ -71,7 +71,8 @@ const LARGEST_SCALE_UM_PER_M: f64 = 500.0;
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the readings")?;
     let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
-    let inputs = inputs::read_job(files, machine, &job, UseOf::Tables)?;
+    let use_of = if options.without_tables { UseOf::Readings } else { UseOf::Tables };
+    let inputs = inputs::read_job(files, machine, &job, use_of)?;
     let noise = Noise { um: options.noise_um, seed: options.seed };
     let wishes = Wishes {
         straight: options.straight,
@@ -183,14 +184,18 @@ fn taken_for_granted(inputs: &Inputs) -> Vec<Finding> {
 
 fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: String) -> Screen {
     let not_in_it = "not in it: angular errors and repeatability of the machine, a tilted mirror, drift during the run (docs/visit.md §12)";
-    let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
+    let is_stated = inputs.job.source.place_of("compensation.controller");
+    let control = is_stated.map_or_else(String::new, |_| format!(" - {}", inputs.profile.name));
     let doubts = taken_for_granted(inputs);
     let others = origin.notes.iter().filter(|note| !doubts.contains(note));
     Screen {
         figures,
         findings: show::notes(doubts.iter().chain(others)),
         always: vec![not_in_it.to_string()],
-        ..Screen::of(format!("{SIMULATED}: {machine} - {control}, {}\n{what}", origin.tables))
+        ..Screen::of(format!(
+            "{SIMULATED}: {}{control}, {}\n{what}",
+            inputs.job.machine.name, origin.tables
+        ))
     }
 }
 

@@ -142,7 +142,7 @@ impl<'a> Line<'a> {
         expected: &str,
         problems: &mut Problems,
     ) -> Option<f64> {
-        let number = number_of(cell, self.decimal_comma);
+        let number = written_number(cell, self.decimal_comma);
         if let Some(number) = number.filter(|number| number.abs() <= LARGEST_NUMBER) {
             return Some(number);
         }
@@ -153,7 +153,9 @@ impl<'a> Line<'a> {
             };
             let (what, help) = match number {
                 Some(_) => ("which is too large for any machine", "check the cell"),
-                None if cell.contains(',') => ("expected a finite number", DECIMAL_COMMA),
+                None if cell.contains(',') && !self.decimal_comma => {
+                    ("expected a finite number", DECIMAL_COMMA)
+                }
                 None => ("expected a finite number", expected),
             };
             let problem = refused::other_number(name, found, what, help);
@@ -167,8 +169,13 @@ const TOO_MANY_CELLS: &str = "a decimal comma needs semicolons between the colum
 const DECIMAL_COMMA: &str =
     "a decimal comma needs semicolons between the columns; or write a decimal point";
 
-fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
-    if decimal_comma { plain_number(&cell.replace(',', ".")) } else { plain_number(cell) }
+/// What people write as a number, also with the minus sign U+2212 of word processors.
+pub(crate) fn written_number(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let point = if decimal_comma { Cow::from(cell.replace(',', ".")) } else { Cow::from(cell) };
+    match point.strip_prefix('\u{2212}') {
+        Some(magnitude) => plain_number(&format!("-{magnitude}")),
+        None => plain_number(&point),
+    }
 }
 
 /// A finite number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
@@ -297,7 +304,7 @@ pub(crate) fn unknown_column(name: &str, known: &[&str], columns: &str) -> Probl
 
 #[cfg(test)]
 mod tests {
-    use super::plain_number;
+    use super::{plain_number, written_number};
 
     #[test]
     fn a_number_beyond_all_numbers_is_none() {
@@ -305,5 +312,8 @@ mod tests {
             assert_eq!(plain_number(text), None, "{text}");
         }
         assert_eq!(plain_number("-1.5e1"), Some(-15.0));
+        // A minus of a control is a hyphen.
+        assert_eq!([plain_number("−1.5"), written_number("−1,5", false)], [None; 2]);
+        assert_eq!([written_number("−1,5", true), written_number("−-1", true)], [Some(-1.5), None]);
     }
 }

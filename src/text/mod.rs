@@ -15,6 +15,7 @@ pub(crate) use self::document::{
 pub use self::delimited::{LengthUnit, Line, lines};
 pub(crate) use self::delimited::{
     header_and_rows, plain_number, refuse_many_columns, refuse_other_first_line, unknown_column,
+    written_number,
 };
 pub(crate) use self::document::keys::{LIMITS, Places};
 pub use self::document::{

@@ -34,7 +34,7 @@ pub(crate) fn read_job(
     use_of: UseOf,
 ) -> Result<Inputs, Problems> {
     let mut named = JobFiles::of(files, job, use_of)?;
-    if use_of == UseOf::Figures {
+    if matches!(use_of, UseOf::Figures | UseOf::Readings) {
         let policies = named.job.compensation.backlash;
         let or_mean = |axis| policies[axis].or(Some(BacklashPolicy::Mean));
         named.job.compensation.backlash = PerAxis::from_fn(or_mean);

@@ -30,7 +30,7 @@ findings! {
         FeedNotChecked { axes: Vec<Axis> } => Note, "the feed is not checked for {}: no `max_feed_mm_per_min` is stated", joined(axes);
         NearTheEnd { axes: Vec<Axis> } => Note, "{} moves to less than 1 mm from an end of the travel: the software limits have to allow it", joined(axes);
         OtherBox { turns_otherwise: bool } => Note, "box, steps, order{} or kind differ from [measurement.step_diagonal]: change that section before the readings of this run are separated", if *turns_otherwise { ", overrun" } else { "" };
-        HidesPitches { axes: Vec<(Axis, f64, f64)> } => Note, "errors that repeat with a usual pitch are the same at all targets and will not be seen: {}", joined(axes.iter().map(|(axis, step, other)| format!("steps of {axis} {step} mm (better {other:.1})")));
+        HidesPitches { axes: Vec<(Axis, f64, Option<f64>)> } => Note, "errors that repeat with a usual pitch are the same at all targets and will not be seen: {}", joined(axes.iter().map(|(axis, step, better)| format!("steps of {axis} {step} mm{}", better.map_or_else(String::new, |mm| format!(" (better {mm} mm)")))));
         ProtectedNumber { from: u32, by: &'static str } => Note, "program numbers from O{from} on may be protected against loading and editing ({by}; from memory, not in the manuals read): take another `number`, or see to it that they are not";
     }
 }

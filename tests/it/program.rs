@@ -6,10 +6,9 @@ use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::target_runs::{Runs, Stated};
 use nonius::kit::program_kit::{ProgramKit, judge, make};
 use nonius::text::Problems;
-use nonius::write::findings::RunFinding;
-use nonius::write::program::{FileRole, ProgramFile};
-use nonius::write::program::{Open, RunTask, left_open};
+use nonius::write::program::{FileRole, Open, ProgramFile, RunTask, left_open};
 use proptest::prelude::*;
+use serde_json::json;
 
 const STEP: &str = "what = \"step-diagonal\"";
 
@@ -96,10 +95,13 @@ fn fanuc(keys: &str) -> Case {
     Case::small("fanuc-30i", &format!("{STEP}\n{keys}"))
 }
 
+fn told(kit: &ProgramKit) -> String {
+    kit.run.notes.iter().map(ToString::to_string).collect()
+}
+
 fn text(kit: &ProgramKit, path: &str) -> String {
-    let file = kit.files.iter().find(|file| file.path == path);
-    let bytes = file.unwrap_or_else(|| panic!("there is no {path}")).bytes.clone();
-    String::from_utf8(bytes).unwrap().replace('\r', "")
+    let file = kit.files.iter().find(|file| file.path == path).unwrap();
+    std::str::from_utf8(&file.bytes).unwrap().replace('\r', "")
 }
 
 /// Positions stand in the order of the readings.
@@ -130,19 +132,22 @@ fn what_is_not_stated_has_its_default() {
     assert_eq!((steps.volume.steps, steps.size_path), (2, "measurement.step_diagonal.size_mm"));
     assert_eq!(asked("what = \"single-axis\"").runs, 5);
     let forward = asked(&format!("{STEP}\nreturn = \"diagonal\"\nsteps = 3"));
-    assert!(!forward.bidirectional);
-    assert_eq!(forward.volume.steps, 3);
+    assert_eq!((forward.bidirectional, forward.volume.steps), (false, 3));
     let turning = asked(&format!("{STEP}\noverrun_mm = 0"));
     assert_eq!((turning.overrun.mm(), turning.preload.mm()), (0.0, 2.0));
 }
 
+/// Three steps show no pitch at five phases; 24.765 mm are 195 times 0.005 in.
 #[test]
-fn numbers_that_may_be_protected_are_noted() {
-    let is_noted = |number: u32| {
-        let notes = fanuc(&format!("number = {number}")).kit().run.notes;
-        notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
-    };
+fn numbers_that_may_be_protected_and_better_steps_that_can_be_entered_are_noted() {
+    let is_noted = |number| told(&fanuc(&format!("number = {number}")).kit()).contains("protected");
     assert_eq!([7996, 7997, 9001].map(is_noted), [false, true, true]);
+    let noted = |unit, steps, mm| {
+        told(&Case { unit, steps, size: [mm; 3], ..Case::large(STEP, [0.0; 2]) }.kit())
+    };
+    holds(&noted("mm", 3, 870.0), &["not be seen: steps of X 290 mm, steps of Y"]);
+    holds(&noted("inch", 20, 508.0), &["steps of X 25.4 mm (better 24.765 mm), steps of Y"]);
+    holds(&noted("inch", 20, 495.3), &["steps of X 24.765 mm"]);
 }
 
 /// Golden: step·√(1 − (V/R)²) of reference step-diagonal §1.1 for 900×720×720, n = 30.
@@ -283,16 +288,12 @@ fn the_job_must_not_describe_another_turn_than_the_run() {
     };
     let says = "`overrun` is true, but this run turns at the last node";
     holds(&turn("true", "overrun_mm = 0").unwrap_err().render(), &[says]);
-    let overrun = |made: Result<ProgramKit, _>| {
-        serde_json::to_value(made.unwrap()).unwrap()["overrun"].clone()
-    };
+    let overrun = |made: Result<ProgramKit, _>| json!(made.unwrap())["overrun"].clone();
     assert_eq!(overrun(turn("true", "")), true);
     assert_eq!(overrun(turn("false", "overrun_mm = 0")), false);
     assert!(overrun(turn("false", "bidirectional = false")).is_null());
     // Another box is another measurement: a note, no refusal.
-    let other = turn("false", "steps = 5").unwrap();
-    let differs = RunFinding::OtherBox { turns_otherwise: true };
-    assert!(other.run.notes.iter().any(|note| note.kind() == Some(&differs)));
+    holds(&told(&turn("false", "steps = 5").unwrap()), &["box, steps, order, overrun or kind"]);
 }
 
 #[test]
@@ -311,8 +312,8 @@ fn a_dwell_is_read_by_the_address_of_the_profile() {
 fn the_axes_that_rest_keep_their_part_of_the_proposed_box() {
     let mut case = Case::small("siemens-840d-sl", "what = \"single-axis\"\naxes = [\"x\"]");
     (case.start[0], case.size[0]) = (0.0, 100.0);
-    let said = case.made().unwrap_err().render();
-    assert!(said.contains("start_mm = { x = 2.0, y = -75.0, z = -55.0 } and size_mm = { x = 96.0, y = 70.0, z = 110.0 }"), "{said}");
+    let proposed = "start_mm = { x = 2.0, y = -75.0, z = -55.0 } and size_mm = { x = 96.0, y = 70.0, z = 110.0 }";
+    holds(&case.made().unwrap_err().render(), &[proposed]);
 }
 
 fn cases() -> impl Strategy<Value = Case> {
@@ -332,10 +333,8 @@ fn cases() -> impl Strategy<Value = Case> {
     (run, (1_usize..7, 1_u32..4, 10_i32..3_000), prop::array::uniform3(edge))
         .prop_map(|((control, inch, kind, way, order), (steps, runs, margin), edges)| {
             // Digits of the control: 0.001 mm, or 0.0001 inch = 0.00254 mm.
-            let digit = |count: i32| {
-                let scale = if inch { 254.0 } else { 100.0 };
-                f64::from(count) * scale / 100_000.0
-            };
+            let scale = if inch { 254.0 } else { 100.0 };
+            let digit = |count: i32| f64::from(count) * scale / 100_000.0;
             let overrun = match way {
                 "" | "alignment_pass = false" => format!("overrun_mm = {:?}\n", digit(margin)),
                 _ => String::new(),

@@ -97,6 +97,7 @@ fn readings_without_tables_keep_their_doubts() {
     let acceptance = after.find("[acceptance]").map_or("", |at| &after[at..]);
     visit.put("job.toml", format!("{before}{acceptance}"));
     let found = page(&visit, "job.toml");
+    visit.yes("simulate job.toml --without-tables -o as-found.csv");
     let separate = visit.json("separate job.toml --trials 0");
     let assess = visit.json("assess job.toml --grid 11,11,11");
     for plane in ["xy", "xz", "yz"] {

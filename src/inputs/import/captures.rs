@@ -21,6 +21,7 @@ use crate::inputs::target_runs::Values;
 use crate::quantity::{Diagonal, Figure, MM_PER_INCH, UM_PER_MM, rounded};
 use crate::text::{
     Line, Problem, Problems, Source, header_and_rows, joined, lines, plain, plain_number, shown,
+    written_number,
 };
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -301,7 +302,7 @@ fn captures<'a>(
             (shown(name), found)
         }
         Named::Number(number) => {
-            let is_number = |cell: &Cow<'_, str>| cell.replace(',', ".").parse::<f64>().is_ok();
+            let is_number = |cell: &Cow<'_, str>| written_number(cell, true).is_some();
             let has_one = |line: &Line<'_>| line.cells().get(number - 1).is_some_and(is_number);
             let start = all.iter().position(has_one);
             (format!("#{number}"), start.map(|start| (number - 1, start)))

@@ -220,7 +220,7 @@ fn axis_of(cell: &Cell<'_>, stated: Option<Axis>) -> Option<Axis> {
 
 /// Whether a number is one as a thousand or more would be written with a comma, e.g. `1,000`.
 fn may_be_thousands(text: &str) -> bool {
-    let digits = text.trim_start_matches(['+', '-']);
+    let digits = text.trim_start_matches(['+', '-', '\u{2212}']);
     let is_digits = |part: &str| part.chars().all(|c| c.is_ascii_digit());
     digits.split_once(',').is_some_and(|(before, behind)| {
         let may_be = (1..=3).contains(&before.len()) && !before.starts_with('0');

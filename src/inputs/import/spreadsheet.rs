@@ -55,8 +55,13 @@ fn refuse_wide(path: &str, book: &mut Sheets<Cursor<&[u8]>>, name: &str) -> Resu
     Err(Problem::new(words).help("clear what stands far from the table, or save the sheet as CSV"))
 }
 
-/// A cell, without what would begin another one.
+/// A cell, without what would begin another one; a date as people write it, for the number of its day is none that
+/// was measured.
 fn cell(cell: &Data) -> String {
     let begins_another = |c: char| c.is_control() || c == ';' || c == '"';
-    cell.to_string().replace(begins_another, " ")
+    let Data::DateTime(date) = cell else {
+        return cell.to_string().replace(begins_another, " ");
+    };
+    let (year, month, day, hour, minute, second, _) = date.to_ymd_hms_milli();
+    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}").replace(" 00:00:00", "")
 }

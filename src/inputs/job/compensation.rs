@@ -13,6 +13,8 @@ pub enum UseOf {
     /// Figures of the machine as it was measured: `[compensation]` may be absent, and of two
     /// directions the mean counts.
     Figures,
+    /// What would be read on that machine: like its figures, but angles alone will not do.
+    Readings,
     /// The errors that readings hold.
     Separation,
     /// What a run of diagonals will determine: nothing is measured yet.
@@ -33,7 +35,7 @@ impl UseOf {
     pub(super) fn needs(self, key: &str) -> bool {
         let section = key.split('.').next().unwrap_or_default();
         match self {
-            UseOf::Tables | UseOf::Figures => true,
+            UseOf::Tables | UseOf::Figures | UseOf::Readings => true,
             UseOf::Begun => false,
             UseOf::Separation => {
                 matches!(section, "machine" | "measurement") || key == "compensation.backlash"

@@ -79,6 +79,12 @@ impl MachineAxis {
         }
     }
 
+    /// Where a reference point of it may lie.
+    pub(super) fn range_of_references(&self) -> (Millimetres, Millimetres) {
+        let outside = Millimetres::new(self.reference_outside_mm);
+        (self.low - outside, self.high + outside)
+    }
+
     /// The stated direction of the reference return, or +.
     pub(crate) fn homing(&self) -> Direction {
         self.reference_direction.unwrap_or(Direction::Plus)

@@ -1,6 +1,6 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
-use crate::inputs::job::machine::{Axes, inside_travel};
+use crate::inputs::job::machine::{Axes, MachineAxis, inside_travel};
 use crate::inputs::refusals;
 use crate::quantity::{Axis, PerAxis};
 use crate::text::{Places, Section, Word, section, shown};
@@ -51,6 +51,7 @@ const BLOCK_DELETE: [(&str, bool); 2] = [("execute", false), ("skip", true)];
 const G43_WITHOUT_H: [(&str, G43WithoutH); 3] =
     [("refuse", G43WithoutH::Refuse), ("last-h", G43WithoutH::LastH), ("tool", G43WithoutH::Tool)];
 
+const WITH_REFERENCES: &str = "the travel widened by `reference_outside_mm`:";
 const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
 
 fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
@@ -58,7 +59,11 @@ fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
     let usual = Setup::at(Axis::ALL.map(reference));
     let inside = |key: &'static str| {
         let place = section.place(key)?;
-        inside_travel(section, |_| key, &place, axes);
+        for (axis, machine) in axes.iter() {
+            if let Some(range) = machine.as_ref().map(MachineAxis::range_of_references) {
+                section.inside(key, (axis, place[axis]), range, WITH_REFERENCES);
+            }
+        }
         Some(plain(place))
     };
     let start = inside("start_mm").unwrap_or(usual.start);

@@ -29,7 +29,7 @@ pub struct ProfileLimits {
     pub measured_tool_mm: f64,
     /// The range of each axis that was measured; `None` = the axis was not measured.
     pub measured: [Option<(f64, f64)>; 3],
-    /// The travel of each axis, if it is known.
+    /// The travel of each axis with its reference points, if it is known.
     pub travel: [Option<(f64, f64)>; 3],
     /// Whether places outside the measured range are refused.
     pub refuse_outside: bool,
@@ -38,13 +38,20 @@ pub struct ProfileLimits {
 /// How the path of a job is followed.
 pub fn limits(job: &Job, volume: &VolumeModel) -> ProfileLimits {
     let path = &job.path;
+    let travel = |axis: Axis| {
+        let machine = job.machine.axes[axis]?;
+        let second = path.setup.second_reference.map(|place| place[axis as usize]);
+        let references = [machine.reference.mm(), second.unwrap_or(machine.reference.mm())];
+        let wider = |(low, high): (f64, f64), at: f64| (low.min(at), high.max(at));
+        Some(references.into_iter().fold((machine.low.mm(), machine.high.mm()), wider))
+    };
     ProfileLimits {
         chord_mm: path.chord_mm,
         sample_mm: path.sample_mm,
         rapid: path.rapid,
         measured_tool_mm: path.measured_tool_mm.unwrap_or(0.0),
         measured: Axis::ALL.map(|axis| volume.is_measured(axis).then(|| volume.range(axis))),
-        travel: Axis::ALL.map(|axis| job.machine.axes[axis].map(|a| (a.low.mm(), a.high.mm()))),
+        travel: Axis::ALL.map(travel),
         refuse_outside: path.refuse_outside,
     }
 }
@@ -375,7 +382,7 @@ impl<'m> Profile<'m> {
         for (axis, at) in place.into_iter().enumerate() {
             if let Some((low, high)) = missed(self.limits.travel[axis], at, TRAVEL_TOLERANCE_MM) {
                 return Err(Refused::new(format!(
-                        "the move leads to {} = {:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
+                        "the move leads to {} = {:.3} mm in machine coordinates, outside the travel with its reference points, {low} … {high} mm",
                         Axis::ALL[axis],
                         Figure(at)
                     )).help("check the zero of the coordinate system ([[path.offset]]), the tool length and `travel_mm`"));

@@ -82,9 +82,12 @@ fn hides_pitches(task: RunTask<'_>) -> Option<RunFinding> {
         let is_hidden = pitch::unseen(&request.volume.positions(axis)).contains(&true);
         let digit_mm = pitch::DIGIT_MM[usize::from(inches)];
         let other_mm = pitch::step_mm(SHORTER * step_mm, step_mm, steps, digit_mm);
-        (is_hidden && request.targets == TargetGrid::Equal).then_some((axis, step_mm, other_mm))
+        let shows_more = pitch::seen(other_mm, steps) > pitch::seen(step_mm, steps);
+        let better = shows_more.then(|| plain(other_mm));
+        let is_told = is_hidden && request.targets == TargetGrid::Equal;
+        is_told.then_some((axis, plain(step_mm), better))
     };
-    let axes: Vec<(Axis, f64, f64)> = moving(request).into_iter().filter_map(of).collect();
+    let axes: Vec<(Axis, f64, Option<f64>)> = moving(request).into_iter().filter_map(of).collect();
     (!axes.is_empty()).then_some(RunFinding::HidesPitches { axes })
 }
 
