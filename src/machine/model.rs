@@ -458,3 +458,23 @@ fn are_level(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> bool {
     };
     terms[term].as_ref().is_some_and(is_level) && terms[term.twin()].as_ref().is_none_or(is_level)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Interpolation;
+
+    #[test]
+    fn nodes_of_old_tables_do_not_count_in_the_reversal() {
+        let curve = |um: [f64; 4]| {
+            let places = [0.0, 10.0, 20.0, 100.0].map(Millimetres::new);
+            ErrorCurve::through(&places, &um.map(Deviation::from_um), Interpolation::Linear)
+        };
+        let (plus, minus) = (curve([0.0; 4]), curve([2.0, 3.0, 4.0, 12.0]));
+        let mut term = MeasuredTerm::new(Measured::BothWays { plus, minus }, Vec::new());
+        let reversal = |term: &MeasuredTerm| term.reversal().map(|b| b.um());
+        assert_eq!(reversal(&term), Some(-5.25));
+        term.places = Some([0.0, 100.0].map(Millimetres::new).to_vec());
+        assert_eq!(reversal(&term), Some(-7.0));
+    }
+}

@@ -231,3 +231,23 @@ pub(crate) fn corrected(
     });
     Ok(corrected.collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inputs::job::UseOf;
+
+    #[test]
+    fn a_second_measurement_before_the_first_is_a_doubt() {
+        let job = |date: &str| {
+            let text = format!(
+                "schema = 1\n[machine]\nname = \"M\"\n[measurement]\ndate = \"{date}\"\nerrors = \"e.csv\"\n"
+            );
+            let source = Source::from_bytes("job.toml", text.as_bytes()).unwrap();
+            Job::read_for(source, UseOf::Figures).unwrap_or_else(|p| panic!("{}", p.render()))
+        };
+        let is_earlier = |second: &str| earlier(&job("2026-11-20"), &job(second)).is_some();
+        assert!(is_earlier("2026-11-19") && is_earlier("2025-12-01"));
+        assert!(!is_earlier("2026-11-20") && !is_earlier("19.11.2026") && !is_earlier("today"));
+    }
+}

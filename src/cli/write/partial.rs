@@ -111,7 +111,8 @@ impl Partial {
         let mut made = made();
         let is_same = |own: &PathBuf| {
             let name = own.file_name().unwrap_or_default().to_string_lossy();
-            own.parent() == Some(&parent) && name.starts_with(&prefix)
+            let folder = |path: &Path| fs::canonicalize(path).ok();
+            name.starts_with(&prefix) && own.parent().and_then(folder) == folder(&parent)
         };
         if made.paths.iter().any(is_same) {
             return Err(Error::other("this run writes something else there"));
