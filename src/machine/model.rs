@@ -164,7 +164,6 @@ impl ErrorModel {
     pub(crate) fn of(of: UseOf, job: &Job, table: &ErrorTable) -> Result<ErrorModel, Problems> {
         let mut problems = Problems::none();
         measured::check_places(job, table, &mut problems);
-        measured::check_optics(job, &mut problems);
         let terms = PerTerm::from_fn(|term| measured_term(job, table, term));
         let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
             let of = of.as_ref()?;
@@ -176,6 +175,11 @@ impl ErrorModel {
         let rotations = measured::rotations(job, table);
         let mut remarks = table.remarks.clone();
         remarks.doubtful = with_periods(job, remarks.doubtful);
+        let optics = job.measurement.levers.straightness_optic.iter();
+        let optics: Vec<Axis> = optics.filter_map(|(axis, at)| at.map(|_| axis)).collect();
+        let are_judged = of == UseOf::Tables && !optics.is_empty();
+        let lever = are_judged.then_some(ModelFinding::OpticNotInTables { axes: optics });
+        remarks.doubts.extend(lever.map(Finding::from));
         let mut zeros = remarks.largest.iter().chain(&remarks.measured).map(|most| &most.zero);
         let other = zeros.clone().find(|own| **own != zero(job)).cloned();
         // What is anew has no zero of its own.
@@ -204,7 +208,6 @@ impl ErrorModel {
             unused: measured::not_compensated(table).into_iter().chain(other).collect(),
             remarks,
         };
-        model.add_levers(job, &model.rotations.clone());
         model.add_squareness(job, &mut problems);
         problems.or_ok(model)
     }
@@ -260,21 +263,9 @@ impl ErrorModel {
     /// knows which of them counts. Deviations beside the angles are not read, and a note says so.
     pub(crate) fn add_angles(&mut self, job: &Job, table: &ErrorTable) -> Result<(), Problems> {
         self.rotations = measured::added(job, table, &self.rotations)?;
-        self.add_levers(job, &measured::rotations(job, table));
         let unused = measured::not_compensated(table).into_iter();
         self.unused = unused.chain(measured::deviations_beside(table)).collect();
         Ok(())
-    }
-
-    /// Adds what these angles do to a straightness that was measured on the table.
-    fn add_levers(&mut self, job: &Job, rotations: &PerTerm<Option<Measured>>) {
-        for term in ErrorTerm::ALL {
-            if let Some(own) = &mut self.terms[term]
-                && let Some(with) = measured::at_tool_point(job, (term, &own.measured), rotations)
-            {
-                own.measured = with;
-            }
-        }
     }
 
     // The squareness of two axes in the curves of their cross terms: the sum of both slopes. A straightness that was evaluated

@@ -17,6 +17,9 @@
 //! the axis is none of the 21 errors.) So a slope in the table and a stated φ are the same machine,
 //! with every tool.
 //!
+//! **An optic on the table** (`straightness_optic_mm`): r × (own travel) is added once, to the
+//! straightness at the positions where it was measured; between them the curve runs as chosen.
+//!
 //! An error that was not measured is left out and *named* ([`VolumeModel::missing`]).
 
 pub(crate) use self::map::of_both;
@@ -26,7 +29,7 @@ use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::{
     Axis, Chain, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis,
-    PerTerm, Plane, Rotation, displaced,
+    PerTerm, Plane, Rotation, displaced, unit,
 };
 use crate::text::{Finding, Problems};
 use serde::{Serialize, Serializer};
@@ -47,6 +50,8 @@ pub struct VolumeModel {
     pub chain_is_stated: bool,
     /// The nine deviations with stated squareness, zero at the reference; mean of the directions.
     deviations: PerTerm<Option<ErrorCurve>>,
+    /// What the lever of an optic on the table adds to the straightness of its axis.
+    optics: PerTerm<Option<ErrorCurve>>,
     /// The nine rotations, µrad; mean of the directions.
     rotations: PerTerm<Option<ErrorCurve>>,
     /// The same as they act through the positions of other axes: less what a control takes off there.
@@ -101,12 +106,14 @@ impl VolumeModel {
             _ => job.chain_for_angles("machine")?,
         };
         let levers = job.measurement.levers;
+        check_optics(job, chain, levers)?;
         let rotations =
             PerTerm::from_fn(|term: ErrorTerm| model.rotations[term].as_ref().map(Measured::mean));
         let mut built = VolumeModel {
             chain,
             chain_is_stated: job.machine.chain.is_some(),
             deviations: PerTerm::from_fn(|_| None),
+            optics: PerTerm::from_fn(|_| None),
             swings: rotations.clone(),
             rotations,
             squareness: squareness(job, model),
@@ -117,6 +124,7 @@ impl VolumeModel {
             ranges: PerAxis::default(),
             labels: Vec::new(),
         };
+        built.optics = built.optics(model, job.compensation.curve);
         built.deviations = built.deviations(model);
         built.ranges = built.common_ranges(job)?;
         built.labels = built.statements(job, model);
@@ -130,8 +138,9 @@ impl VolumeModel {
         VolumeModel { deviations: self.deviations(model), ..self.clone() }
     }
 
-    /// The curves of a model. The mean of two directions is zero at the reference: which direction a return to it takes
-    /// is no error of the volume.
+    /// The curves of a model with the levers of optics. The mean of two
+    /// directions is zero at the reference: which direction a return to it takes is no error
+    /// of the volume.
     fn deviations(&self, model: &ErrorModel) -> PerTerm<Option<ErrorCurve>> {
         PerTerm::from_fn(|term: ErrorTerm| {
             let measured = &model.terms[term].as_ref()?.measured;
@@ -139,7 +148,7 @@ impl VolumeModel {
             if let (true, Some(machine)) = (measured.has_both_ways(), self.machine[term.along]) {
                 curve = curve.rezeroed_at(machine.reference);
             }
-            Some(curve)
+            Some(self.optics[term].iter().fold(curve, |sum, optic| sum.plus(optic)))
         })
     }
 
@@ -287,6 +296,30 @@ impl VolumeModel {
         let curve = self.deviation(term)?;
         Some(self.machine[term.along].map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
     }
+
+    /// r × (x − optic) at the positions where the straightness was measured, e.g. of X: + ECX·(x − optic)
+    /// to EYX, − EBX·(x − optic) to EZX, µm; less that at the reference, where every deviation is zero.
+    ///
+    /// source  docs/volume.md §2: once, as the data are read, not between the measured positions
+    fn optics(&self, model: &ErrorModel, kind: Interpolation) -> PerTerm<Option<ErrorCurve>> {
+        PerTerm::from_fn(|term: ErrorTerm| {
+            let optic = self.levers.straightness_optic[term.along].filter(|_| term.is_cross())?;
+            let curve = model.terms[term].as_ref()?.measured.mean();
+            let added = |place: &Millimetres| self.swung(term, *place, optic);
+            let added: Vec<Deviation> = curve.knots().iter().map(added).collect();
+            let added = ErrorCurve::through(curve.knots(), &added, kind);
+            Some(self.machine[term.along].map_or(added.clone(), |m| added.rezeroed_at(m.reference)))
+        })
+    }
+
+    fn swung(&self, term: ErrorTerm, place: Millimetres, optic: Millimetres) -> Deviation {
+        let rotation = PerAxis::from_fn(|about| {
+            let curve = self.rotations[Rotation { about, along: term.along }].as_ref();
+            curve.map_or(0.0, |curve| curve.at(place).um())
+        });
+        let own = unit(term.along).times((place - optic).mm());
+        Deviation::from_um(rotation.cross(own)[term.of] / MM_PER_M)
+    }
 }
 
 /// The lines of stated squareness, each over the range in which its term was measured, held beyond it; with the
@@ -301,6 +334,22 @@ fn squareness(job: &Job, model: &ErrorModel) -> Vec<Squareness> {
         Some(Squareness { term: *term, um_per_m: *um_per_m, line })
     });
     lines.collect()
+}
+
+/// An optic can ride on a table only.
+fn check_optics(job: &Job, chain: Chain, levers: Levers) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    for (axis, place) in levers.straightness_optic.iter() {
+        if place.is_some() && !chain.moves_workpiece(axis) {
+            let key = format!("measurement.straightness_optic_mm.{}", axis.key());
+            let words = format!(
+                "axis {axis} of the chain {chain} does not carry the workpiece, so no optic rides on its table"
+            );
+            let help = "remove it: the straightness of such an axis is measured at the tool point";
+            problems.push(job.problem_at(&key, words).help(help));
+        }
+    }
+    problems.or_ok(())
 }
 
 /// One of the 21 errors of a three-axis machine: nine deviations, nine rotations, three squareness.

@@ -131,7 +131,7 @@ section! {
         pub tool as tool_offset_mm: Option<PerAxis<Millimetres>> = place();
         /// assess, path: where the angles of an axis count as zero
         pub angles_zero as angles_zero_mm: PerAxis<Option<Millimetres>> = some_places();
-        /// place of the optic on a table that carries the workpiece; absent: it was measured at the tool point
+        /// assess, path: place of the optic on a table that carries the workpiece; absent: it was measured at the tool point
         pub straightness_optic as straightness_optic_mm: PerAxis<Option<Millimetres>> =
             some_places();
     }

@@ -7,7 +7,8 @@ use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope};
 use crate::judge::findings::{AsLeft, joined};
 use crate::judge::refused;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
-use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, Volume};
+use crate::machine::separation::curves::range;
+use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Volume};
 use crate::text::{Finding, Problems, Severity};
 use crate::write::grid::EDGE_MM;
 
@@ -199,8 +200,8 @@ fn has_same_values(before: &ErrorModel, after: &ErrorModel) -> bool {
     /// Values that differ by less were not measured twice, µm.
     const SAME_UM: f64 = 0.01;
     let near = |(a, b): (&ErrorCurve, &ErrorCurve)| {
-        let off = |at: &Millimetres| (a.at(*at) - b.at(*at)).um().abs();
-        a.knots() == b.knots() && a.knots().iter().all(|at| off(at) < SAME_UM)
+        let off = a.knots().iter().map(|at| (a.at(*at) - b.at(*at)).um());
+        a.knots() == b.knots() && range(off) < SAME_UM
     };
     after.measured().all(|(term, second)| {
         before.terms[term].as_ref().is_some_and(|first| {

@@ -5,10 +5,11 @@ use crate::inputs::job::Job;
 use crate::judge::field::Field;
 use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
+use crate::machine::separation::curves::range;
 use crate::machine::separation::readings::Walk;
 use crate::quantity::{
-    AT_PLACE_MM, Deviation, Diagonal, Direction, ErrorTerm, Millimetres, Pass, PathKind,
-    PerDiagonal, Squared, Volume,
+    AT_PLACE_MM, Deviation, Diagonal, Direction, ErrorCurve, ErrorTerm, Millimetres, Pass,
+    PathKind, PerDiagonal, Squared, Volume,
 };
 use crate::text::Finding;
 
@@ -70,9 +71,10 @@ impl AfterMeasurement {
             let (Some(own), Some(known)) = known else { continue };
             let Some(machine) = job.machine.axes[term.along] else { continue };
             let (way, reference) = (machine.homing(), machine.reference);
-            let Some(curve) = known.measured.curve(way) else { continue };
+            let zeroed = |of: &MeasuredTerm| of.measured.zeroed(way).1.clone();
+            let (curve, (low, high)) = (zeroed(known), zeroed(own).measured_range());
+            let way = known.measured.zeroed(way).0.unwrap_or(way);
             let left = |at| (curve.at(at) + control.correction(term, way, at)).um();
-            let (low, high) = own.measured.mean().measured_range();
             let end = Millimetres::new(reference.mm().clamp(low.mm(), high.mm()));
             if (end - reference).mm().abs() > AT_PLACE_MM {
                 own.shift(Deviation::from_um(left(end) - left(reference)));
@@ -83,7 +85,9 @@ impl AfterMeasurement {
     /// What was measured at five places or more and is the same at all of them, to the last digit.
     pub(super) fn flat(&self) -> String {
         let is_flat = |measured: &MeasuredTerm| {
-            measured.largest_um() <= 0.0 && measured.curves().any(|c| c.knots().len() >= 5)
+            let um = |c: &ErrorCurve| range(c.knots().iter().map(|at| c.at(*at).um()));
+            measured.curves().all(|c| um(c) <= 0.0)
+                && measured.curves().any(|c| c.knots().len() >= 5)
         };
         match self {
             AfterMeasurement::Errors(model) => {

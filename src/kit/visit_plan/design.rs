@@ -185,12 +185,14 @@ impl<'a> Design<'a> {
             && !expected.is_one_way(&job);
         let largest = expected.largest(&job, has_diagonals);
         let diagonals = largest.as_ref().filter(|_| has_diagonals);
+        let between = job.measurement.uncertainty.between();
         let range = |axis| range_of(&job, axis, &expected.volume.positions(axis));
         let visit = Visit {
             minutes: self.minutes(&variant),
             mirror: motion(&variant.run).mirror,
-            at_most_um: largest.as_ref().map(|of| rounded(of.all_um, DIGITS)),
-            diagonals_at_most_um: diagonals.map(|of| rounded(of.ranges_um, DIGITS)),
+            at_most_um: largest.as_ref().map(|of| rounded(of.all_um + between.all_um(), DIGITS)),
+            diagonals_at_most_um: diagonals
+                .map(|of| rounded(of.ranges_um + between.ranges_um(), DIGITS)),
             worst: largest.as_ref().map(|of| of.single.worst()),
             ranges: Axis::ALL.into_iter().filter_map(range).collect(),
             open: ErrorTerm::ALL.into_iter().filter(is_open).collect(),

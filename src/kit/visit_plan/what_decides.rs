@@ -210,11 +210,16 @@ impl Judged<'_> {
     /// Better tables from what was measured after loading, with what is doubtful of it, or is measured like this in its
     /// place; they are measured likewise.
     fn remade(&self, visit: &Visit, missed: &Missed, is_again: bool) -> Option<(f64, bool)> {
-        let doubtful_um = if is_again { 0.0 } else { missed.doubtful_of(self.figures) };
+        let between = self.job.measurement.uncertainty.between();
+        let between_um = missed.diagonal.map_or(between.all_um(), |_| between.ranges_um());
+        let doubtful_um = if is_again { between_um } else { missed.doubtful_of(self.figures) };
         let left_um = doubtful_um + missed.left_of(self.expected?);
         let room_um = missed.limit_um - left_um;
         let (um, is_sure) = match missed.diagonal {
-            Some(_) => visit.diagonals_at_most_um.map(|um| (um, um <= room_um))?,
+            Some(_) => {
+                let um = visit.diagonals_at_most_um? - between_um; // counted already
+                (um, um <= room_um)
+            }
             None => sure(visit.expected.outlook(self.job, None, room_um)?),
         };
         Some((left_um + um, is_sure))

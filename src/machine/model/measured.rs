@@ -5,8 +5,7 @@ use crate::inputs::error_table::{ErrorTable, Kind, Series};
 use crate::inputs::job::{Job, MachineAxis};
 use crate::machine::findings::{ModelFinding, two_digits};
 use crate::quantity::{
-    Axis, Chain, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerTerm,
-    Rotation, unit,
+    Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Millimetres, PerTerm, Rotation,
 };
 use crate::text::{Finding, Problem, Problems, counted};
 
@@ -63,6 +62,16 @@ impl Measured {
     /// The curve that holds while the axis moves in `direction`, if that direction was measured.
     pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
         self.ways().find_map(|(way, curve)| way.is_none_or(|way| way == direction).then_some(curve))
+    }
+
+    /// The curve that is zero at the reference, and its direction: that of the reference return, else the first.
+    pub(crate) fn zeroed(&self, homing: Direction) -> (Option<Direction>, &ErrorCurve) {
+        match (self, homing) {
+            (Measured::BothWays { minus, .. }, Direction::Minus) => (Some(homing), minus),
+            (Measured::BothWays { plus, .. }, Direction::Plus) => (Some(homing), plus),
+            (Measured::OneWay(way, curve), _) => (Some(*way), curve),
+            (Measured::Undirected(curve), _) => (None, curve),
+        }
     }
 
     /// Whether the two directions were measured apart.
@@ -191,50 +200,6 @@ pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measure
         });
         Measured::of(curves)
     })
-}
-
-/// A straightness at the tool point, where it was measured by an optic on the table (`straightness_optic_mm`): r × (x − optic)
-/// is added where it was measured, less that at the reference; e.g. of X: + ECX·(x − optic) to EYX, − EBX·(x − optic) to
-/// EZX, µm. `None` where there is nothing to add.
-///
-/// source  docs/volume.md §2; between the measured positions the curve runs as chosen
-pub(super) fn at_tool_point(
-    job: &Job,
-    (term, measured): (ErrorTerm, &Measured),
-    rotations: &PerTerm<Option<Measured>>,
-) -> Option<Measured> {
-    let along = term.along;
-    let optic = job.measurement.levers.straightness_optic[along].filter(|_| term.is_cross())?;
-    let reference = job.machine.axes[along]?.reference;
-    let mean = |about| rotations[Rotation { about, along }].as_ref().map(Measured::mean);
-    let angles = PerAxis::from_fn(mean);
-    let swung = |place: &Millimetres| {
-        let urad = |about| angles[about].as_ref().map_or(0.0, |angle| angle.at(*place).um());
-        let own = unit(along).times((*place - optic).mm());
-        Deviation::from_um(PerAxis::from_fn(urad).cross(own)[term.of] / 1000.0)
-    };
-    let with_lever = |(way, curve): (Option<Direction>, &ErrorCurve)| {
-        let lever: Vec<Deviation> = curve.knots().iter().map(swung).collect();
-        let lever = ErrorCurve::through(curve.knots(), &lever, job.compensation.curve);
-        (way, curve.plus(&lever.rezeroed_at(reference)))
-    };
-    let any = angles.iter().any(|(_, angle)| angle.is_some());
-    any.then(|| Measured::of(measured.ways().map(with_lever)))?
-}
-
-/// An optic can ride on a table only.
-pub(super) fn check_optics(job: &Job, problems: &mut Problems) {
-    let chain = job.machine.chain.unwrap_or(Chain::ALL_AXES_MOVE_THE_TOOL);
-    for (axis, place) in job.measurement.levers.straightness_optic.iter() {
-        if place.is_some() && !chain.moves_workpiece(axis) {
-            let key = format!("measurement.straightness_optic_mm.{}", axis.key());
-            let words = format!(
-                "axis {axis} of the chain {chain} does not carry the workpiece, so no optic rides on its table"
-            );
-            let help = "remove it: the straightness of such an axis is measured at the tool point";
-            problems.push(job.problem_at(&key, words).help(help));
-        }
-    }
 }
 
 /// Places where angles are to be zero and were not measured: nothing is known of them there.

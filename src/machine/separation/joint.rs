@@ -17,6 +17,7 @@ mod outlook;
 pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::Separation;
 use super::readings::{Noise, student};
+use super::solved::SeparatedError;
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::{
@@ -72,9 +73,9 @@ struct Drawn {
 
 impl Separation {
     /// How far the largest error of the table of a job may lie off in a forecast, with max − min along the diagonals where
-    /// it is asked for; `None` where an uncertainty is not known.
+    /// it is asked for; of errors with a known uncertainty alone, `None` without any.
     pub(crate) fn largest(&self, job: &Job, diagonals: bool) -> Option<LargestErrors> {
-        let table = Table::new(self, job);
+        let table = Table::with(self, job, |found| found.u.is_some());
         table.drawn().map(|drawn| table.largest(job, &drawn, diagonals))
     }
 
@@ -219,6 +220,10 @@ impl<'a> Table<'a> {
     }
 
     pub(super) fn new(of: &'a Separation, job: &Job) -> Table<'a> {
+        Table::with(of, job, |_| true)
+    }
+
+    fn with(of: &'a Separation, job: &Job, holds: impl Fn(&SeparatedError) -> bool) -> Table<'a> {
         let directions = directions(of, job);
         let (mut curves, mut all_rows, mut um) = (Vec::new(), Vec::new(), Vec::new());
         for term in ErrorTerm::ALL {
@@ -230,7 +235,7 @@ impl<'a> Table<'a> {
             let at = machine.map_or(0.0, |axis| (axis.reference.mm() - start) / step);
             let at = at.clamp(0.0, of.volume.steps_f64());
             let all = ways.iter().filter_map(|way| Some((*way, of.of_table(term, *way)?)));
-            let all: Vec<_> = all.collect();
+            let all: Vec<_> = all.filter(|(_, found)| holds(found)).collect();
             let zero = all.iter().position(|(way, _)| *way == homing).unwrap_or(0);
             let Some((_, reference)) = all.get(zero) else { continue };
             let (zero_um, zero_row) = (between(&reference.deviation_um, at), reference.rows.at(at));
