@@ -9,8 +9,9 @@
 //! both measurements; corrections are exact. So a value has the variance
 //!
 //! ```text
-//!   σ² = u²(as left) + Σ (weight · u(as found))² + (count/√12)²
+//!   σ² = u²(as left) + Σ (weight · u(as found))² + Σ (weight · unseen)² + (count/√12)²
 //! ```
+//! (unseen: what a straight line and a spline through the first targets differ by, between them)
 //! and each term (each diagonal) a free zero, since both measurements are zeroed at one reading.
 //! The points of one curve are not independent (an angle of the beam tilts them all), so a curve
 //! counts as **one** figure: the mean of its squared residuals over σ². Thresholds are those of

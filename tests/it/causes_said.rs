@@ -257,6 +257,19 @@ fn plain_causes_stand_first_and_what_nothing_explains_is_named_with_its_place() 
 }
 
 #[test]
+fn what_a_chord_leaves_between_the_first_targets_is_no_fault() {
+    let visit = visit(&Machine { spacing_mm: 180.0, ..SIEMENS });
+    let left = |row: Row| {
+        let (low, share) = ((row.mm / 180.0).floor() * 180.0, (row.mm / 180.0).fract());
+        wavy(row) - (1.0 - share) * wavy(row.at(low)) - share * wavy(row.at(low + 180.0))
+    };
+    visit.put("after.csv", table(&Machine { spacing_mm: 90.0, ..SIEMENS }, 2, left));
+    let left = diagnosis(&visit, "job.toml --tables kit --after after.csv").page;
+    assert_eq!(left["as_forecast"], true);
+    holds(&left["sigma_from"].to_string(), &["µm between the first targets, where"]);
+}
+
+#[test]
 fn exchanged_axes_are_said_once() {
     let found = after(&SIEMENS, |row| {
         let swap = |axis| if axis == 'x' { 'y' } else { 'x' };

@@ -3,7 +3,9 @@
 use crate::judge::after::{Observation, Part, before_um};
 use crate::judge::field::Field;
 use crate::machine::model::ErrorModel;
-use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm};
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis, PerTerm,
+};
 
 /// The terms whose tables a change concerns.
 pub(super) type Terms = PerTerm<bool>;
@@ -256,6 +258,21 @@ impl Question<'_> {
     pub(super) fn terms(&self) -> Vec<ErrorTerm> {
         let seen = |term: &ErrorTerm| self.parts().any(|part| part.term == *term);
         ErrorTerm::ALL.into_iter().filter(seen).collect()
+    }
+
+    /// What the first measurement may have missed where a part looks, µm: what a straight line and a spline through its
+    /// targets differ by, nothing at a target.
+    pub(super) fn unseen_um(&self, part: &Part) -> f64 {
+        let measured = self.under_tables.unwrap_or(self.before).terms[part.term].as_ref();
+        measured.and_then(|term| term.measured.curve(part.direction)).map_or(0.0, |curve| {
+            const NEAR: usize = 4; // farther targets bend a spline by less than a hundredth
+            let knots = curve.knots();
+            let place = knots.partition_point(|knot| *knot < part.at);
+            let near = &knots[place.saturating_sub(NEAR)..knots.len().min(place + NEAR)];
+            let values: Vec<_> = near.iter().map(|at| curve.at(*at)).collect();
+            let by = |kind| ErrorCurve::through(near, &values, kind).at(part.at);
+            (by(Interpolation::NaturalSpline) - by(Interpolation::Linear)).um().abs()
+        })
     }
 
     /// Growth of a scale that is this much warmer, µm/m.
