@@ -9,8 +9,9 @@
 //! both measurements; corrections are exact. So a value has the variance
 //!
 //! ```text
-//!   σ² = u²(as left) + Σ (weight · u(as found))² + (count/√12)²
+//!   σ² = u²(as left) + Σ (weight · u(as found))² + Σ (weight · unseen)² + (count/√12)²
 //! ```
+//! (unseen: what a straight line and a spline through the first targets differ by, between them)
 //! and each term (each diagonal) a free zero, since both measurements are zeroed at one reading.
 //! The points of one curve are not independent (an angle of the beam tilts them all), so a curve
 //! counts as **one** figure: the mean of its squared residuals over σ². Thresholds are those of
@@ -27,7 +28,7 @@ mod hypotheses;
 pub use self::change::{Corrected, Question, Slip};
 pub use self::data::Basis;
 
-use self::change::{Change, Terms};
+use self::change::{Change, Scope, Terms};
 use self::data::{Data, Fit, RISK, quantile};
 use self::decide::decides;
 use self::hypotheses::Hypothesis;
@@ -35,7 +36,7 @@ use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
 use crate::judge::refused;
 use crate::quantity::{ErrorTerm, Figure};
-use crate::text::{Finding, Problem};
+use crate::text::{Finding, Problem, once};
 use serde::Serialize;
 
 /// Predictions of one kind that differ by less are one cause, µm.
@@ -128,10 +129,11 @@ fn all_fits(data: &Data<'_>, tried: &[Hypothesis]) -> Vec<Fit> {
 
 /// Whether as left agrees as well with tables that do not act at all.
 fn hides_tables(data: &Data<'_>) -> bool {
-    let question = data.question;
-    let is_tabled = |term: ErrorTerm| question.control.has_table(term);
-    let acts = question.has_parameter() || question.terms().into_iter().any(is_tabled);
-    acts && data.stands(&data.fit(&Change::Inactive), None)
+    let (control, seen) = (data.question.control, data.question.terms());
+    let all = Scope { parameters: true, ..Scope::tables(Terms::from_fn(|_| true)) };
+    let acts =
+        |term| control.has_parameter(term) || seen.contains(&term) && control.has_table(term);
+    all.any(acts) && data.stands(&data.fit(&Change::Times(all, Some(0.0))), None)
 }
 
 /// Whether the tables of each mechanism were seen, and would not fit with their sign turned.
@@ -140,7 +142,8 @@ fn shows_signs(data: &Data<'_>) -> bool {
     let positioning = Terms::from_fn(|term| term.is_positioning() && has_table(term));
     let cross = Terms::from_fn(|term| term.is_cross() && has_table(term));
     let there = [positioning, cross].into_iter().filter(|of| of.iter().any(|(_, held)| *held));
-    let turned: Vec<Fit> = there.map(|of| data.fit(&Change::Times(of, Some(-1.0)))).collect();
+    let turned: Vec<Fit> =
+        there.map(|of| data.fit(&Change::Times(Scope::tables(of), Some(-1.0)))).collect();
     !turned.is_empty() && turned.iter().all(|fit| !data.stands(fit, None))
 }
 
@@ -223,7 +226,7 @@ fn term_by_term(data: &Data<'_>, tried: &[Hypothesis], forecast: &Fit) -> Vec<Fi
         let mut found = standing(data, tried.iter().filter(|tried| tried.is_of(term)), Some(term));
         let rms = |fit: &Fit| data.rms(fit, Some(term));
         found.sort_by(|(_, one), (_, other)| rms(one).total_cmp(&rms(other)));
-        let faults = found.iter().map(|(tried, _)| tried.kind.1).collect();
+        let faults = once(found.iter().map(|(tried, _)| tried.kind.1).collect());
         Some(OfTerm::OffForecast { term, off: off_forecast(um, seen), faults }.into())
     };
     ErrorTerm::ALL.into_iter().filter_map(of).collect()

@@ -7,6 +7,9 @@ use crate::quantity::{
 use crate::read::emulate::{Emulated, Emulator, NodeTable, Response};
 use crate::write::plan::axis_pairs;
 
+/// A correction that no laser resolves is none, µm.
+const SMALLEST_UM: f64 = 0.01;
+
 /// What an axis of a control gets while another one, or itself, moves in + and in −.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Pair {
@@ -93,6 +96,11 @@ impl Field {
         self.0[term].iter().map(move |pair| pair.way(direction))
     }
 
+    /// What an error gets.
+    pub(super) fn put(&mut self, term: ErrorTerm, pair: Pair) {
+        self.0[term] = vec![pair];
+    }
+
     /// The same with straight lines between the nodes, where a control steps.
     pub(super) fn straightened(&self) -> Field {
         Field(PerTerm::from_fn(|term| self.0[term].iter().map(Pair::straightened).collect()))
@@ -123,6 +131,19 @@ impl Field {
     pub(super) fn constant_um(&self, term: ErrorTerm, direction: Direction) -> f64 {
         let anywhere = Millimetres::new(0.0);
         self.correction(term, direction, anywhere).um() - self.tables_um(term, direction, anywhere)
+    }
+
+    /// Whether what is added beside the tables depends on the direction, as far as a laser resolves it.
+    pub(super) fn has_parameter(&self, term: ErrorTerm) -> bool {
+        let [plus, minus] = Direction::BOTH.map(|way| self.constant_um(term, way));
+        (plus - minus).abs() > SMALLEST_UM
+    }
+
+    /// Whether its tables for + and − differ.
+    pub(super) fn has_two_tables(&self, term: ErrorTerm) -> bool {
+        self.0[term]
+            .first()
+            .is_some_and(|Pair { ways: [plus, minus], .. }| plus.tables() != minus.tables())
     }
 
     /// Whether a table acts on an error.

@@ -6,6 +6,7 @@ use crate::inputs::job::{Compensation, Job, UseOf};
 use crate::judge::active::{self, ActiveControl};
 use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
+use crate::judge::field::Field;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::refusals;
 use crate::kit::visit_plan::Judged;
@@ -49,6 +50,8 @@ pub struct Inputs {
     pub model: ErrorModel,
     /// The errors as they were measured, where tables were active meanwhile.
     pub under_tables: Option<ErrorModel>,
+    /// What these tables added.
+    pub old: Field,
     /// What the errors were read from.
     pub errors: ErrorSource,
     /// The table of angular errors, where there is one of their own.
@@ -87,6 +90,7 @@ impl Inputs {
             profile,
             model,
             under_tables: None,
+            old: Field::default(),
             errors,
             angles: None,
             hashes,
@@ -126,7 +130,7 @@ impl Inputs {
 
     /// The same inputs, measured while these tables were active: new = old + residual.
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
-        let (mut model, notes) =
+        let (mut model, old, notes) =
             active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
         // Where the directions of the old tables are carried over, what was measured counts in both.
         for (term, _) in model.measured().filter(|(_, sum)| sum.measured.has_both_ways()) {
@@ -136,6 +140,7 @@ impl Inputs {
         let open = model.level();
         self.model.lacks_squareness(open.clone());
         model.lacks_squareness(open);
+        self.old = old;
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
         let interpolated =
             family(&self.profile.dialect).take_interpolation(&mut self.job, &self.profile, &active);

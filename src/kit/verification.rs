@@ -194,6 +194,7 @@ fn diagnosed(
     diagnose(&Question {
         before: &inputs.model,
         under_tables: inputs.under_tables.as_ref(),
+        old: &inputs.old,
         corrected,
         control,
         seen: &observations(&inputs.model, measured),

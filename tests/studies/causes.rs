@@ -138,10 +138,8 @@ fn rig(plan: &'static Plan) -> Rig {
 }
 
 fn job_of(plan: &Plan) -> String {
-    let noise = match plan.states_u {
-        true => format!("[measurement.uncertainty]\nnoise_um = {NOISE_UM}\n"),
-        false => String::new(),
-    };
+    let noise = format!("[measurement.uncertainty]\nnoise_um = {NOISE_UM}\n");
+    let noise = if plan.states_u { noise } else { String::new() };
     let policy = plan.backlash.map(|policy| format!("backlash = \"{policy}\"\n"));
     let control = format!("controller = \"{}\"\n{}", plan.controller, policy.unwrap_or_default());
     let unit = if plan.controller.starts_with("fanuc") { "detection_unit_um = 0.1" } else { "" };
@@ -187,11 +185,8 @@ fn acts(
     let um = if (fault.on)(term) { fault.times * tables } else { tables } + constant;
     // The expansion that the program takes where no job states one, per K.
     let heat = 1e3 * 11.5e-6 * fault.warmer_k[along] * x;
-    match term.is_positioning() {
-        true if term.of == Axis::X => um + heat + fault.foreign_um * (x / 130.0).sin(),
-        true => um + heat,
-        false => um,
-    }
+    let foreign = if term.of == Axis::X { fault.foreign_um * (x / 130.0).sin() } else { 0.0 };
+    if term.is_positioning() { um + heat + foreign } else { um }
 }
 
 /// The second measurement with a fault; the name of its file.
@@ -275,9 +270,8 @@ fn faults(rig: &Rig) -> Vec<Fault> {
         // Readings of ten millimetres are refused before they are compared.
         list.retain(|fault| fault.times < 1000.0);
     }
-    let backlash = |kind, backlash_um| Fault { kind, backlash_um, ..NO_FAULT };
-    let (twice, not) =
-        (backlash("backlash twice", |um| um + 6.0), backlash("backlash not", |_| 0.0));
+    let by = |kind, backlash_um| Fault { kind, backlash_um, ..NO_FAULT };
+    let (twice, not) = (by("backlash twice", |um| um + 6.0), by("backlash not", |_| 0.0));
     list.extend(match rig.plan.backlash {
         None => vec![],
         Some("mean") => vec![twice],
@@ -336,12 +330,10 @@ fn outcome(rig: &Rig, fault: Fault, file: &str) -> Outcome {
     named.sort();
     named.dedup();
     if named.is_empty() {
-        let clean = found["as_forecast"].as_bool().unwrap();
-        named.push(if clean { "no fault" } else { "unknown" }.to_string());
+        named.push(if found["as_forecast"] == true { "no fault" } else { "unknown" }.to_string());
     }
-    let verdict = document["verdict"].as_str().unwrap().to_string();
-    let (words, decides) = (all("words"), found["decides"].is_string());
-    Outcome { plan: rig.plan, fault, named, words, verdict, decides }
+    let (words, verdict) = (all("words"), document["verdict"].as_str().unwrap().to_string());
+    Outcome { plan: rig.plan, fault, named, words, verdict, decides: found["decides"].is_string() }
 }
 
 /// Of each injected kind, in how many runs it was named, and what was named as well.
@@ -349,18 +341,14 @@ fn confusion(outcomes: &[Outcome]) -> String {
     let kinds = "no fault | sign turned | not active | applied twice | wrong unit | other factor | shifted | wrong axis | directions exchanged | backlash twice | backlash not | temperature | measurement turned | unknown";
     let kinds: Vec<&str> = kinds.split(" | ").collect();
     let mut named = outcomes.iter().flat_map(|o| &o.named);
-    let other = named.find(|named| !kinds.contains(&named.as_str()));
-    assert_eq!(other, None, "a kind that the page does not know");
+    assert!(named.all(|kind| kinds.contains(&kind.as_str())), "a kind that the page does not know");
     let of_kind = |injected: &&str| {
         let own: Vec<_> = outcomes.iter().filter(|o| o.fault.kind == *injected).collect();
         let has = |o: &Outcome, kind: &str| o.named.iter().any(|named| named == kind);
         let count = |kind: &str| own.iter().filter(|o| has(o, kind)).count();
         let others = kinds.iter().filter(|kind| *kind != injected && count(kind) > 0);
         let others: Vec<_> = others.map(|kind| format!("{kind} {}", count(kind))).collect();
-        let others = match others.is_empty() {
-            true => String::new(),
-            false => format!(" ({})", others.join(", ")),
-        };
+        let others = format!(" ({})", others.join(", ")).replace(" ()", "");
         (!own.is_empty()).then(|| format!("{injected} {}/{}{others}", count(injected), own.len()))
     };
     let all: Vec<_> = kinds.iter().filter_map(of_kind).collect();
@@ -383,8 +371,7 @@ fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
-    let sizes: Vec<usize> =
-        faults.filter(|o| !o.plan.by_diagonals).map(|o| o.named.len()).collect();
+    let sizes: Vec<_> = faults.filter(|o| !o.plan.by_diagonals).map(|o| o.named.len()).collect();
     let mean = sizes.iter().sum::<usize>() as f64 / sizes.len() as f64;
     assert!(mean < 1.6, "sets of {mean} kinds on average");
     let table = confusion(&outcomes);

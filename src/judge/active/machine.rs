@@ -12,7 +12,7 @@ use super::reading::{ActiveControl, KEY, Origin, at_key, axis_of};
 use crate::control::control_state::ControlState;
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
-use crate::judge::field::Pair;
+use crate::judge::field::{Field, Pair};
 use crate::judge::findings::{InControl, InSum, joined};
 use crate::judge::refused;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
@@ -31,7 +31,7 @@ const NOTHING_UM: f64 = 1e-6;
 /// A table may be off zero at the reference by less than what is shown, µm.
 const ZERO_UM: f64 = 1e-3;
 
-/// The model of the machine without compensation, and what the user should know of it.
+/// The model of the machine without compensation, what the old tables added, and what the user should know of it.
 ///
 /// unit   as the measured model: µm, zero at the reference
 /// limits refused where the old tables correct what was not measured or is not asked for, are not
@@ -42,7 +42,7 @@ pub(crate) fn uncompensated(
     profile: &Profile,
     measured: &ErrorModel,
     active: &ActiveControl,
-) -> Result<(ErrorModel, Vec<InSum>), Problems> {
+) -> Result<(ErrorModel, Field, Vec<InSum>), Problems> {
     let names = axis_names(job, profile)?;
     let sets = |axis: Axis| sets_backlash(job, profile, measured, axis);
     check_backlash(job, active, sets)?;
@@ -53,13 +53,14 @@ pub(crate) fn uncompensated(
         problems.push(active);
     }
     let mut sum = Sum { job, model: measured.clone(), notes: Vec::new() };
-    let mut acts = false;
+    let (mut acts, mut added) = (false, Field::default());
     for term in ErrorTerm::ALL {
         let pairs = axis_pairs(&names, term);
         let old = problems.take(old_correction(job, term, &pairs, control.as_ref()));
         if let Some(old) = old.flatten() {
             acts = true;
             sum.add(term, &old, &mut problems);
+            added.put(term, old);
         }
     }
     let knows_backlash = active.backlash_um.iter().any(|(_, um)| um.is_some());
@@ -70,7 +71,7 @@ pub(crate) fn uncompensated(
     } else if !acts && !knows_backlash && problems.is_empty() {
         problems.push(nothing(job, active));
     }
-    problems.or_ok((sum.model, sum.notes))
+    problems.or_ok((sum.model, added, sum.notes))
 }
 
 /// Refuses an angle that the old tables take off.

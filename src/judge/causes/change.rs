@@ -3,10 +3,39 @@
 use crate::judge::after::{Observation, Part, before_um};
 use crate::judge::field::Field;
 use crate::machine::model::ErrorModel;
-use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm};
+use crate::quantity::{
+    Axis, Diagonal, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis, PerTerm,
+};
 
 /// The terms whose tables a change concerns.
 pub(super) type Terms = PerTerm<bool>;
+
+/// What of the compensation a change concerns: of these terms the tables, the backlash parameters, or both.
+/// What a table for one direction holds apart (3627 on Fanuc) is such a parameter, too.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Scope {
+    pub(super) terms: Terms,
+    pub(super) tables: bool,
+    pub(super) parameters: bool,
+}
+
+impl Scope {
+    /// The tables of these terms.
+    pub(super) const fn tables(terms: Terms) -> Scope {
+        Scope { terms, tables: true, parameters: false }
+    }
+
+    /// Whether this is so of one of its terms.
+    pub(super) fn any(&self, holds: impl Fn(ErrorTerm) -> bool) -> bool {
+        self.terms.iter().any(|(term, is_in)| *is_in && holds(term))
+    }
+
+    /// What is added where others act in place of the planned ones: tables, and what is added beside them, µm.
+    fn changed_um(&self, term: ErrorTerm, planned: [f64; 2], other: [f64; 2]) -> f64 {
+        let is_in = [self.tables, self.parameters].map(|held| held && self.terms[term]);
+        (0..2).map(|own| if is_in[own] { other[own] } else { planned[own] }).sum()
+    }
+}
 
 /// For each axis the place of its number among those that are fitted; `None` = it is left alone.
 pub(super) type Fitted = PerAxis<Option<usize>>;
@@ -16,11 +45,8 @@ pub(super) type Fitted = PerAxis<Option<usize>>;
 pub(super) enum Change {
     /// Nothing: all is as the forecast says.
     None,
-    /// The tables act with a factor: −1 sign turned, 0 not active, 2 twice, 1000, 25.4 …; `None` =
-    /// fitted.
-    Times(Terms, Option<f64>),
-    /// Neither tables nor backlash parameters act.
-    Inactive,
+    /// It acts with a factor: −1 sign turned, 0 not active, 2 twice, 1000, 25.4 …; `None` = fitted.
+    Times(Scope, Option<f64>),
     /// Positions and values are read in another unit: f·T(x/f).
     Unit(f64),
     /// The tables of an axis act s mm further in +, fitted.
@@ -28,13 +54,13 @@ pub(super) enum Change {
     /// On a term acts the table that was made for another one.
     From(Box<PerTerm<ErrorTerm>>),
     /// Moving + and − the tables act that were made for these directions.
-    Ways(Terms, [Direction; 2]),
+    Ways(Scope, [Direction; 2]),
     /// A backlash parameter acts once more than planned.
     BacklashTwice(Terms),
-    /// The backlash parameter that the job asks for is 0.
-    BacklashNot(Terms),
-    /// The tables that were active while measuring act, instead of the new ones or beside them.
-    Old { beside: bool },
+    /// What was active while measuring acts in place of the new.
+    Old(Scope),
+    /// The tables that were active while measuring act in addition to the new ones; a parameter has one value.
+    OldBeside(Terms),
     /// The first measurement has the wrong sign, so the tables have it too.
     FirstTurned,
     /// The tables do not act, and the second measurement has the wrong sign.
@@ -81,13 +107,16 @@ impl Change {
     /// Whether both concern the same tables of the kit.
     pub(super) fn is_the_same_on(&self, question: &Question<'_>, other: &Change) -> bool {
         let terms = |change: &Change| match change {
-            Change::Times(terms, _) => Some(terms.clone()),
-            Change::Ways(terms, [plus, minus]) if plus != minus => Some(terms.clone()),
+            Change::Times(scope, _) | Change::Old(scope) => Some(scope.clone()),
+            Change::Ways(scope, [plus, minus]) if plus != minus => Some(scope.clone()),
+            Change::OldBeside(terms) => Some(Scope::tables(terms.clone())),
             _ => None,
         };
         let (Some(own), Some(others)) = (terms(self), terms(other)) else { return false };
-        let mut all = own.iter().zip(others.iter());
-        all.all(|((term, a), (_, b))| a == b || !question.control.has_table(term))
+        let mut all = own.terms.iter().zip(others.terms.iter());
+        let has_table = |term| question.control.has_table(term) || question.old.has_table(term);
+        own.parameters == others.parameters
+            && all.all(|((term, a), (_, b))| a == b || !has_table(term))
     }
 
     /// Whether its fitted numbers can be: no workshop is 20 K off.
@@ -102,27 +131,30 @@ impl Change {
         let (term, way, at) = (part.term, part.direction, part.at.mm());
         let control = question.control;
         let tables = |term, way, mm| control.tables_um(term, way, Millimetres::new(mm));
-        let (own, constant) = (tables(term, way, at), control.constant_um(term, way));
+        let by = |field: &Field, way| {
+            [field.tables_um(term, way, part.at), field.constant_um(term, way)]
+        };
+        let acting = by(control, way);
+        let [own, constant] = acting;
         let planned = own + constant;
         let added = match self {
-            Change::Times(terms, factor) if terms[term] => {
-                factor.unwrap_or_else(|| number(fitted, Some(0))) * own + constant
+            Change::Times(scope, factor) => {
+                let factor = factor.unwrap_or_else(|| number(fitted, Some(0)));
+                scope.changed_um(term, acting, acting.map(|um| factor * um))
             }
-            Change::Inactive => 0.0,
             Change::SecondTurned => constant,
             Change::Unit(factor) => factor * tables(term, way, at / factor) + constant,
             Change::Shifted(places) => {
                 tables(term, way, at - number(fitted, places[term.along])) + constant
             }
             Change::From(terms) => tables(terms[term], way, at) + constant,
-            Change::Ways(terms, [plus, minus]) if terms[term] => {
-                let way = if way == Direction::Plus { plus } else { minus };
-                tables(term, *way, at) + constant
+            Change::Ways(scope, [plus, minus]) if control.has_two_tables(term) => {
+                let other = if way == Direction::Plus { plus } else { minus };
+                scope.changed_um(term, acting, by(control, *other))
             }
             Change::BacklashTwice(terms) if terms[term] => planned + question.parameter_um(part),
-            Change::BacklashNot(terms) if terms[term] => own,
-            Change::Old { beside: false } => question.old_um(part),
-            Change::Old { beside: true } => planned + question.old_um(part),
+            Change::Old(scope) => scope.changed_um(term, acting, by(question.old, way)),
+            Change::OldBeside(terms) if terms[term] => planned + by(question.old, way)[0],
             _ => planned,
         };
         // What was seen was measured both times; a part of it always has a deviation.
@@ -153,9 +185,6 @@ pub(super) fn number(fitted: &[f64], place: Option<usize>) -> f64 {
 }
 
 // What is known when a cause is asked for.
-
-/// A correction that no laser resolves is none, µm.
-const SMALLEST_UM: f64 = 0.01;
 
 /// What may have been recorded wrongly of the first measurement. To the closure an order of the steps
 /// is the same as one way to share out the names (docs/method.md §4). Separated they are not: the
@@ -197,6 +226,8 @@ pub struct Question<'a> {
     /// As found under the tables that were active then, which are part of `before` no more; `None` =
     /// none were active.
     pub under_tables: Option<&'a ErrorModel>,
+    /// What these added.
+    pub old: &'a Field,
     /// The same readings with one slip of their records taken back; empty = none is tried.
     pub corrected: &'a [Corrected],
     /// What the loaded tables add.
@@ -229,14 +260,19 @@ impl Question<'_> {
         ErrorTerm::ALL.into_iter().filter(seen).collect()
     }
 
-    /// What the tables that were active while measuring added where a part looks, µm; where one
-    /// way was measured only, what they added then; 0 where none were active or nothing is known.
-    pub(super) fn old_um(&self, part: &Part) -> f64 {
-        let old = |part: &Part| {
-            Some(before_um(self.under_tables?, part)? - before_um(self.before, part)?)
-        };
-        let other_way = Part { direction: part.direction.opposite(), ..*part };
-        old(part).or_else(|| old(&other_way)).unwrap_or(0.0)
+    /// What the first measurement may have missed where a part looks, µm: what a straight line and a spline through its
+    /// targets differ by, nothing at a target.
+    pub(super) fn unseen_um(&self, part: &Part) -> f64 {
+        let measured = self.under_tables.unwrap_or(self.before).terms[part.term].as_ref();
+        measured.and_then(|term| term.measured.curve(part.direction)).map_or(0.0, |curve| {
+            const NEAR: usize = 4; // farther targets bend a spline by less than a hundredth
+            let knots = curve.knots();
+            let place = knots.partition_point(|knot| *knot < part.at);
+            let near = &knots[place.saturating_sub(NEAR)..knots.len().min(place + NEAR)];
+            let values: Vec<_> = near.iter().map(|at| curve.at(*at)).collect();
+            let by = |kind| ErrorCurve::through(near, &values, kind).at(part.at);
+            (by(Interpolation::NaturalSpline) - by(Interpolation::Linear)).um().abs()
+        })
     }
 
     /// Growth of a scale that is this much warmer, µm/m.
@@ -248,13 +284,6 @@ impl Question<'_> {
     pub(super) fn grown_um(&self, part: &Part, um_per_m: f64) -> f64 {
         let from_zero = part.at.mm() - self.reference_mm[part.term.along];
         if part.term.is_positioning() { um_per_m * from_zero / 1000.0 } else { 0.0 }
-    }
-
-    /// Whether the kit sets a backlash parameter.
-    pub(super) fn has_parameter(&self) -> bool {
-        let um = |term, way| self.control.constant_um(term, way).abs();
-        let is_set = |term| Direction::BOTH.into_iter().any(|way| um(term, way) > SMALLEST_UM);
-        ErrorTerm::ALL.into_iter().any(is_set)
     }
 
     /// What a backlash parameter of −B as found adds to a positioning error, µm: it acts away from the

@@ -183,10 +183,9 @@ impl<'a> Data<'a> {
     /// The same with the second measurement in another unit; its u is that of the values, or
     /// (`u_times` = 1) right as it stands.
     pub(super) fn in_another_unit(&self, times: f64, u_times: f64) -> Data<'a> {
-        let rounding = rounding_variance(self.question);
         let sigma = |o: &Observation| {
             let u = o.u_um.unwrap_or(0.0) * u_times;
-            (u * u + o.found_variance + rounding).sqrt()
+            (u * u + o.found_variance + other_variance(self.question, o)).sqrt()
         };
         Data {
             measured_um: self.measured_um.iter().map(|um| um * times).collect(),
@@ -356,19 +355,19 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// Table values are whole counts, spread evenly over one.
-fn rounding_variance(question: &Question<'_>) -> f64 {
-    question.count_um * question.count_um / 12.0 + SMALLEST_UM * SMALLEST_UM
+/// Table values are whole counts, spread evenly over one; between its targets the first measurement saw nothing.
+fn other_variance(question: &Question<'_>, of: &Observation) -> f64 {
+    let unseen = of.parts.iter().map(|part| (part.weight * question.unseen_um(part)).squared());
+    question.count_um.squared() / 12.0 + SMALLEST_UM.squared() + unseen.sum::<f64>()
 }
 
 /// σ of every value, and where it comes from.
 fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
-    let rounding = rounding_variance(question);
     let sigma = |o: &Observation| {
         let found = o.found_variance;
         let left = o.u_um.map_or(found, |u| u * u);
         let found = if found > 0.0 { found } else { left };
-        (left + found + rounding).sqrt()
+        (left + found + other_variance(question, o)).sqrt()
     };
     let found = question.before.measured().any(|(_, m)| m.u_value_um().is_some());
     let left = question.seen.iter().any(|o| o.u_um.is_some());
@@ -386,6 +385,12 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
     if question.laser_um_per_m > 0.0 && !words.is_empty() {
         let laser = question.laser_um_per_m;
         words += &format!(", and {laser:.2} µm/m of laser scale, common to all axes");
+    }
+    let unseen_um = question.parts().map(|part| question.unseen_um(part)).fold(0.0, larger);
+    if unseen_um > SMALLEST_UM && !words.is_empty() {
+        words += &format!(
+            ", and up to {unseen_um:.3} µm between the first targets, where straight lines and a spline through them differ"
+        );
     }
     (question.seen.iter().map(sigma).collect(), words)
 }

@@ -1,8 +1,9 @@
 //! What is tried: each change with its kind, how usual it is, and how it is said on the shop floor.
 
-use super::change::{Change, Fitted, Terms, number};
+use super::change::{Change, Fitted, Scope, Terms, number};
 use crate::judge::after::before_um;
 use crate::judge::causes::change::{Corrected, Question, Slip};
+use crate::judge::field::Field;
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, PerTerm};
 use crate::text::{grouped, joined, once};
 
@@ -99,7 +100,9 @@ impl Hypothesis {
     /// Whether it is tried on this term by itself: a known factor, a shift, a warmer scale.
     pub(super) fn is_of(&self, term: ErrorTerm) -> bool {
         match &self.change {
-            Change::Times(terms, Some(_)) => self.kind != UNIT && *terms == of_terms(|t| t == term),
+            Change::Times(scope, Some(_)) => {
+                self.kind != UNIT && scope.terms == of_terms(|t| t == term)
+            }
             Change::Shifted(places) => *places == only(term.along),
             Change::Warmer(places) => term.is_positioning() && *places == only(term.along),
             _ => false,
@@ -111,26 +114,23 @@ impl Hypothesis {
 /// forecast does, and falls with it.
 pub(super) fn all(question: &Question<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
-    if question.has_parameter() {
-        let subject = "all tables and backlash parameters";
-        all.push(Hypothesis::new(NOT_ACTIVE, Change::Inactive, subject));
-    }
     for (factor, words) in &UNITS[2..] {
         let unit = Hypothesis::new(UNIT, Change::Unit(*factor), "all tables");
         let said = format!("are read in another unit: positions and values {words}");
         all.push(unit.said(said).called(&format!("positions too, {words}")));
     }
-    for (tables, terms) in scopes() {
+    for (tables, scope) in with_parameters(&[question.control]) {
         let times =
-            |kind, factor| Hypothesis::new(kind, Change::Times(terms.clone(), factor), &tables);
+            |kind, factor| Hypothesis::new(kind, Change::Times(scope.clone(), factor), &tables);
         let factors = [(TURNED, -1.0), (NOT_ACTIVE, 0.0), (TWICE, 2.0)];
         all.extend(factors.map(|(kind, factor)| times(kind, Some(factor))));
-        all.extend(UNITS.map(|(factor, words)| {
+        // Parameters have a unit of their own.
+        all.extend(UNITS.into_iter().filter(|_| !scope.parameters).map(|(factor, words)| {
             let unit = times(UNIT, Some(factor)).said(format!("act in another unit: {words}"));
             unit.called(&format!("{tables}, {words}"))
         }));
         all.push(times(FACTOR, None));
-        let exchanged = Change::Ways(terms.clone(), [Direction::Minus, Direction::Plus]);
+        let exchanged = Change::Ways(scope, [Direction::Minus, Direction::Plus]);
         all.push(Hypothesis::new(WAYS, exchanged, &tables));
     }
     all.push(Hypothesis::new(SHIFTED, Change::Shifted(each()), "the tables of every axis"));
@@ -141,8 +141,9 @@ pub(super) fn all(question: &Question<'_>) -> Vec<Hypothesis> {
     }
     let warmer = [PerAxis::from_fn(|_| Some(0)), each()].map(Change::Warmer);
     all.extend(warmer.map(|all| Hypothesis::new(TEMPERATURE, all, "the scales of all axes")));
-    all.extend(reversals());
+    all.extend(reversals(question));
     all.extend(exchanges(question));
+    all.extend(of_old_tables(question));
     all.extend(of_measurements(question));
     all
 }
@@ -167,6 +168,18 @@ fn scopes() -> Vec<(String, Terms)> {
     all
 }
 
+/// The same with the backlash parameters, where one of these holds any, and without.
+fn with_parameters(held: &[&Field]) -> Vec<(String, Scope)> {
+    let both = |(tables, terms): (String, Terms)| {
+        let only = Scope::tables(terms);
+        let has_one = only.any(|term| held.iter().any(|field| field.has_parameter(term)));
+        let with = Scope { parameters: true, ..only.clone() };
+        let with = has_one.then(|| (format!("{tables} and backlash parameters"), with));
+        with.into_iter().chain([(tables, only)])
+    };
+    scopes().into_iter().flat_map(both).collect()
+}
+
 /// One number for this axis alone.
 fn only(axis: Axis) -> Fitted {
     PerAxis::from_fn(|own| (own == axis).then_some(0))
@@ -178,7 +191,7 @@ fn each() -> Fitted {
 }
 
 /// Lost motion that is compensated twice, or not: of every axis, or of one.
-fn reversals() -> Vec<Hypothesis> {
+fn reversals(question: &Question<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     let axes = Axis::ALL.map(|axis| (format!("axis {axis}"), ErrorTerm::positioning(axis)));
     let axes = axes.map(|(whose, own)| (whose, of_terms(|term| term == own)));
@@ -186,12 +199,24 @@ fn reversals() -> Vec<Hypothesis> {
     for (whose, terms) in [every].into_iter().chain(axes) {
         let subject = format!("the reversal of {whose}");
         all.push(Hypothesis::new(BACKLASH_TWICE, Change::BacklashTwice(terms.clone()), &subject));
-        let not = Hypothesis::new(BACKLASH_NOT, Change::BacklashNot(terms.clone()), &subject);
-        all.push(not.called(&format!("{whose}: no parameter")));
+        let not = |change| Hypothesis::new(BACKLASH_NOT, change, &subject);
+        let parameters = Scope { tables: false, parameters: true, terms: terms.clone() };
+        let zero = not(Change::Times(parameters.clone(), Some(0.0)));
+        all.push(zero.called(&format!("{whose}: no parameter")));
+        if parameters.any(|term| question.old.has_parameter(term)) {
+            let is_replaced = parameters.any(|term| question.control.has_parameter(term));
+            let old = Change::Old(parameters);
+            let old = match is_replaced {
+                true => not(old).said("is compensated as before: the backlash parameter is the one that was active while measuring"),
+                false => Hypothesis::new(BACKLASH_TWICE, old, &subject),
+            };
+            all.push(old.called(&format!("{whose}: old parameter")));
+        }
         for way in Direction::BOTH {
-            let one = Change::Ways(terms.clone(), [way, way]);
+            // What a table for one direction holds apart goes with it.
+            let both = Scope { parameters: true, ..Scope::tables(terms.clone()) };
             let said = format!("is not compensated: the table for {way} acts in both directions");
-            let one = Hypothesis::new(BACKLASH_NOT, one, &subject).said(said);
+            let one = not(Change::Ways(both, [way, way])).said(said);
             all.push(one.called(&format!("{whose}: table of {way} both ways")));
         }
     }
@@ -241,7 +266,21 @@ fn exchanges(question: &Question<'_>) -> Vec<Hypothesis> {
     all
 }
 
-/// What may be wrong with the measurements themselves, and tables of an earlier one.
+/// Tables and parameters that were active while measuring, where there were any.
+fn of_old_tables(question: &Question<'_>) -> Vec<Hypothesis> {
+    let (old, mut all) = (question.old, Vec::new());
+    for (tables, scope) in with_parameters(&[question.control, old]) {
+        let tables = format!("{tables} that were active while measuring");
+        if scope.any(|term| old.has_table(term) || scope.parameters && old.has_parameter(term)) {
+            let beside = (!scope.parameters).then(|| Change::OldBeside(scope.terms.clone()));
+            all.extend(beside.map(|change| Hypothesis::new(OLD_BESIDE, change, &tables)));
+            all.push(Hypothesis::new(OLD_ACTIVE, Change::Old(scope), &tables));
+        }
+    }
+    all
+}
+
+/// What may be wrong with the measurements themselves.
 fn of_measurements(question: &Question<'_>) -> Vec<Hypothesis> {
     let turned = |change, which: &str, label, so| {
         let turned = Hypothesis::new(MEASURED_TURNED, change, &format!("the {which} measurement"));
@@ -252,11 +291,6 @@ fn of_measurements(question: &Question<'_>) -> Vec<Hypothesis> {
         turned(Change::FirstTurned, "first", "the first", "so have the tables"),
         turned(Change::SecondTurned, "second", second, "the tables do not act"),
     ];
-    if question.under_tables.is_some_and(|under| under.terms != question.before.terms) {
-        let old = [(OLD_ACTIVE, false), (OLD_BESIDE, true)];
-        let tables = "the tables that were active while measuring";
-        all.extend(old.map(|(kind, beside)| Hypothesis::new(kind, Change::Old { beside }, tables)));
-    }
     for (place, Corrected { slip, before }) in question.corrected.iter().enumerate() {
         if !question.parts().all(|part| before_um(before, part).is_some()) {
             continue;
