@@ -45,7 +45,7 @@ pub fn inputs_of(bundle: &Bundle) -> Result<Inputs, Problems> {
     let angles = job.measurement.angles.clone();
     let mut inputs = Inputs::new(job, profile, &table, hashes)?;
     if let Some(path) = angles {
-        inputs = inputs.with_angles(&ErrorTable::read(source(bundle, &path)?)?)?;
+        inputs = inputs.with(Some(&ErrorTable::read(source(bundle, &path)?)?), None)?;
     }
     match inputs.job.measurement.active.clone() {
         ActiveTables::Path(path) => with_active(bundle, inputs, &path),

@@ -290,7 +290,11 @@ fn is_jpeg(bytes: &[u8]) -> bool {
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
             return true;
         }
-        rest = rest.get(2 + usize::from(u16::from_be_bytes([high, low]))..).unwrap_or_default();
+        let next = match marker {
+            0xff => 1, // fills up
+            _ => 2 + usize::from(u16::from_be_bytes([high, low])),
+        };
+        rest = rest.get(next..).unwrap_or_default();
     }
     false
 }
@@ -305,7 +309,8 @@ fn is_svg(bytes: &[u8]) -> bool {
     let shown: String = shown.collect();
     let mut tags = shown.split('<').skip(1);
     let first = tags.find(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic()));
-    first.and_then(|tag| tag.split([' ', '\n', '\r', '\t', '>', '/']).next()) == Some("svg")
+    let name = first.and_then(|tag| tag.split([' ', '\n', '\r', '\t', '>', '/']).next());
+    name.is_some_and(|name| name == "svg" || name.ends_with(":svg"))
 }
 
 /// RFC 4648 §4.

@@ -100,7 +100,7 @@ impl Inputs {
     }
 
     /// Adds what was measured apart (`measurement.angles`) and what was active meanwhile, where there is any.
-    pub(crate) fn with(
+    pub fn with(
         mut self,
         angles: Option<&ErrorTable>,
         active: Option<ActiveControl>,

@@ -4,7 +4,7 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{
     AxisSettings, GridRequest, MachineAxis, OutsideMeasured, without_grid, without_unit,
 };
-use crate::quantity::{Axis, Deviation, Millimetres, PerAxis, residual, table_values};
+use crate::quantity::{Axis, Deviation, Figure, Millimetres, PerAxis, residual, table_values};
 use crate::text::{Finding, Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
@@ -147,7 +147,7 @@ impl Moving<'_> {
         Some(self.at(
             "",
             match spacing {
-                Some(spacing) => refused::beyond_with_spacing(axis, name, spacing),
+                Some(mm) => refused::beyond_with_spacing(axis, name, Figure(mm).trimmed(6)),
                 None => refused::beyond(axis, name),
             },
         ))
