@@ -2,7 +2,7 @@
 //! Nothing here moves a machine.
 
 use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, origin_or_rule};
-use crate::control::refused;
+use crate::control::refusals;
 use crate::text::{Section, Word, joined, section, shown, words};
 use serde::Serialize;
 
@@ -213,7 +213,7 @@ pub(crate) fn steps(root: &Section<'_>) -> Vec<Step> {
 fn no_part(section: &Section<'_>, part: &str, list: &[Step]) {
     let mut parts: Vec<String> = list.iter().map(|own| format!("`{}`", own.part)).collect();
     parts.dedup();
-    section.refuse("part", refused::no_part(shown(part), parts.join(", ")));
+    section.refuse("part", refusals::no_part(shown(part), parts.join(", ")));
 }
 
 fn what_to_do(section: &Section<'_>, key: &'static str) -> Option<Fact<String>> {
@@ -222,7 +222,7 @@ fn what_to_do(section: &Section<'_>, key: &'static str) -> Option<Fact<String>> 
     let text = text?;
     let known = |word: &str| word == REFERENCE || ROLES.iter().any(|role| role.word() == word);
     for word in pieces(&text).into_iter().filter_map(|(_, word)| word).filter(|word| !known(word)) {
-        section.refuse(key, refused::not_filled_in(shown(word)));
+        section.refuse(key, refusals::not_filled_in(shown(word)));
     }
     Some(origin?.with(text))
 }
@@ -235,7 +235,7 @@ fn condition(section: &Section<'_>, key: &'static str) -> Option<When> {
     let subject =
         role.map(Subject::File).or(mechanism.map(|(_, mechanism)| Subject::Uses(*mechanism)));
     if subject.is_none() {
-        section.refuse(key, refused::no_condition(shown(word)));
+        section.refuse(key, refusals::no_condition(shown(word)));
     }
     Some(When { subject: subject?, absent: word != words })
 }

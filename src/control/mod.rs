@@ -4,5 +4,5 @@ pub mod checklist;
 pub mod claims;
 pub mod control_state;
 pub mod controller;
-mod refused;
+mod refusals;
 pub mod table;

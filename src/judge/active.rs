@@ -33,7 +33,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::Job;
 use crate::judge::family::family;
 use crate::judge::findings::InControl;
-use crate::judge::refused;
+use crate::judge::refusals;
 use crate::quantity::{Axis, PerAxis};
 use crate::read::{file_name, read_out_text};
 use crate::text::{Problems, Severity};
@@ -70,7 +70,7 @@ fn refuse(reading: &ReadOutReader<'_>, problems: &mut Problems) {
     let is_grave = |severity| severity > Severity::Note && !reading.judges();
     for finding in reading.active.findings.iter().filter(|f| is_grave(f.severity())) {
         let help = finding.kind().map_or("", InControl::help);
-        problems.push(at_key(reading.job, refused::from_control(finding, help)));
+        problems.push(at_key(reading.job, refusals::from_control(finding, help)));
     }
 }
 
@@ -132,7 +132,7 @@ fn texts<'a>(
             continue;
         }
         if stands_apart {
-            problems.push(refused::not_of_tables(name, path));
+            problems.push(refusals::not_of_tables(name, path));
         }
         match read_out_text(profile, name, bytes) {
             Ok(text) => texts.push((name.as_str(), text)),
@@ -151,7 +151,7 @@ pub(crate) fn collisions(
 ) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for (what, help) in family(&profile.dialect).taken(&active.others, new) {
-        problems.push(at_key(job, refused::in_use(what, help)));
+        problems.push(at_key(job, refusals::in_use(what, help)));
     }
     problems.or_ok(())
 }

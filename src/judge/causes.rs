@@ -34,7 +34,7 @@ use self::decide::decides;
 use self::hypotheses::Hypothesis;
 use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
-use crate::judge::refused;
+use crate::judge::refusals;
 use crate::quantity::{ErrorTerm, Figure};
 use crate::text::{Finding, Problem, once};
 use serde::Serialize;
@@ -90,7 +90,7 @@ pub struct Diagnosis {
 /// only: a slip of 1000.
 pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     if question.seen.is_empty() {
-        return Err(refused::nothing_twice());
+        return Err(refusals::nothing_twice());
     }
     let tried = hypotheses::all(question);
     let mut data = Data::new(question);
@@ -248,7 +248,7 @@ fn refuse_too_large(data: &Data<'_>) -> Result<(), Problem> {
     if times <= SUSPICIOUS || !divided.stands(&divided.fit(&Change::None), None) {
         return Ok(());
     }
-    Err(refused::slip_of_unit(format!(
+    Err(refusals::slip_of_unit(format!(
         "{times:.0} times those as found; divided by 1000 they agree with the forecast:"
     )))
 }
@@ -269,7 +269,7 @@ fn refuse_too_small(data: &Data<'_>, tried: &[Hypothesis], forecast: &Fit) -> Re
     } else {
         return Ok(());
     };
-    Err(refused::slip_of_unit(format!(
+    Err(refusals::slip_of_unit(format!(
         "{measured_um:.6} µm (root mean square), those as found {found_um:.3} µm: {why};"
     )))
 }

@@ -4,7 +4,7 @@
 
 mod fanuc;
 mod listed;
-mod refused;
+mod refusals;
 mod siemens;
 
 pub mod active;

@@ -24,7 +24,7 @@ use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::read::{generic, listed, refused};
+use crate::read::{generic, listed, refusals};
 use crate::text::{Problem, Problems, shown};
 use std::ops::Range;
 
@@ -89,14 +89,14 @@ fn read(texts: &[(&str, &str)], facts: &DeclaredFacts) -> Result<ListedTables, P
         set = set.or(own.set);
         for table in own.tables {
             if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
-                problems.push(refused::another(shown(name), facts.table_name(&table)));
+                problems.push(refusals::another(shown(name), facts.table_name(&table)));
             }
             all.push(table);
         }
     }
     let is_whole = || texts.iter().any(|(_, text)| facts.is_whole(text));
     if problems.is_empty() && all.is_empty() && !is_whole() {
-        problems.push(refused::no_value_at_all());
+        problems.push(refusals::no_value_at_all());
     }
     problems.or_ok(ListedTables { set, ..ListedTables::of(all) })
 }
@@ -140,7 +140,7 @@ fn file(
     };
     for lost in facts.factors().iter().filter(is_lost) {
         let span = set.as_ref().map_or(0..0, |(_, span)| span.clone());
-        reading.complaints.push(Complaint::new(span, refused::set_without(&lost.name)));
+        reading.complaints.push(Complaint::new(span, refusals::set_without(&lost.name)));
     }
     let set = set.map(|(name, _)| name);
     match reading.complaints.is_empty() {
@@ -236,7 +236,7 @@ impl Reading<'_> {
             if is_comment {
                 return self.check_comment(line, span);
             }
-            return self.complain(span, refused::no_pattern());
+            return self.complain(span, refusals::no_pattern());
         };
         for said in found {
             self.say(text, &span, said);
@@ -262,7 +262,7 @@ impl Reading<'_> {
                 Field::Other | Field::Whole => self.is_other = true,
                 Field::Set => self.begin(text[part.clone()].trim(), part),
                 Field::Value if self.facts.factors.is_some() && !is_factor(&text[part.clone()]) => {
-                    self.complain(part.clone(), refused::no_factor(shown(&text[part])));
+                    self.complain(part.clone(), refusals::no_factor(shown(&text[part])));
                 }
                 _ => fields.push((field, part)),
             }
@@ -275,7 +275,7 @@ impl Reading<'_> {
             _ => self.axes.pair(),
         };
         if name.is_none() && axes.is_none() {
-            return self.complain(line.clone(), refused::value_of_nobody());
+            return self.complain(line.clone(), refusals::value_of_nobody());
         }
         let own = Whose { name, axes };
         let at = self.drafts.iter().position(|draft| draft.is_of(&own));
@@ -293,7 +293,7 @@ impl Reading<'_> {
         match first {
             None => self.set = Some((name.to_string(), span)),
             Some(own) => {
-                let wrong = refused::second_set(shown(own));
+                let wrong = refusals::second_set(shown(own));
                 self.complain(span, wrong);
             }
         }
@@ -308,7 +308,7 @@ impl Reading<'_> {
         let begins = words.first().is_some_and(is_unit);
         let has_size = words.iter().any(|word| Size::of_word(word).is_some());
         if has_unit && (begins || has_size && words.iter().any(is_unit)) {
-            self.complain(span, refused::unit_in_comment());
+            self.complain(span, refusals::unit_in_comment());
         }
     }
 
@@ -316,7 +316,7 @@ impl Reading<'_> {
     fn check_same(&mut self, text: &str, span: Range<usize>) {
         let own = self.axes.output.clone().unwrap_or_default();
         if !own.eq_ignore_ascii_case(text[span.clone()].trim()) {
-            self.complain(span, refused::another_axis(shown(&own)));
+            self.complain(span, refusals::another_axis(shown(&own)));
         }
     }
 
@@ -324,7 +324,7 @@ impl Reading<'_> {
     fn check_unit(&mut self, text: &str, span: Range<usize>) {
         let word = text[span.clone()].trim();
         if Size::of_word(word) != Some(self.facts.value_size.value) {
-            self.complain(span, refused::another_unit(shown(word)));
+            self.complain(span, refusals::another_unit(shown(word)));
         }
     }
 }

@@ -21,7 +21,7 @@ use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, READ_OUT_AS_A_WHOLE, ReadBack};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
 use std::ops::Range;
@@ -172,7 +172,7 @@ fn read_from(
             break;
         }
         if reader.values() > MOST_VALUES {
-            complaints.push(Complaint::new(span, refused::many_values(MOST_VALUES)));
+            complaints.push(Complaint::new(span, refusals::many_values(MOST_VALUES)));
             break;
         }
         let block = text[span.clone()].trim();
@@ -197,12 +197,12 @@ pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
     for memory in memories {
         for (key, value) in memory.parameters {
             if all.parameters.insert(key, value).is_some_and(|old| old != value) {
-                problems.push(refused::two_files(key));
+                problems.push(refusals::two_files(key));
             }
         }
         for (point, value) in memory.points {
             if all.points.insert(point, value).is_some_and(|old| old != value) {
-                problems.push(refused::two_files(format!("point {point}")));
+                problems.push(refusals::two_files(format!("point {point}")));
             }
         }
     }
@@ -268,14 +268,14 @@ impl Reader<'_> {
     /// A control writes zeros for each path that it reserves.
     fn refuse_others(&self, block: &Block) -> Result<(), Complaint> {
         if let Some(span) = block.segments.iter().find_map(|s| s.spindle.clone()) {
-            return Err(Complaint::new(span, refused::of_spindle()));
+            return Err(Complaint::new(span, refusals::of_spindle()));
         }
         let mut used = block.segments.iter().filter(|segment| !self.is_zero(segment));
         match used.find_map(|segment| segment.other_path.clone()) {
             None => Ok(()),
             Some(span) => {
                 let word = &self.text[span.clone()];
-                Err(Complaint::new(span, refused::other_path(word, &word[1..])))
+                Err(Complaint::new(span, refusals::other_path(word, &word[1..])))
             }
         }
     }
@@ -284,18 +284,18 @@ impl Reader<'_> {
     fn is_point(&self, block: &Block) -> Result<bool, Complaint> {
         let (number, offset) = (block.number, self.facts.point_offset.value);
         let wrong = match (block.is_point, number.checked_sub(offset)) {
-            (Some(true), None) => refused::below_points(number, offset, offset + 33),
+            (Some(true), None) => refusals::below_points(number, offset, offset + 33),
             (Some(false), Some(point)) if self.means_a_point(number, point) => {
-                refused::means_parameter(number, point)
+                refusals::means_parameter(number, point)
             }
             (None, Some(point)) if self.facts.q_identifier.value => {
-                refused::without_identifier(number, point)
+                refusals::without_identifier(number, point)
             }
             (Some(true) | None, Some(point)) => {
                 if self.point_blocks().any(|range| range.contains(point)) {
                     return Ok(true);
                 }
-                refused::no_such_point(point)
+                refusals::no_such_point(point)
             }
             (Some(false) | None, _) => return Ok(false),
         };
@@ -321,11 +321,11 @@ impl Reader<'_> {
         let point = block.number - self.facts.point_offset.value;
         let at_number = |wrong| Err(Complaint::new(block.number_span.clone(), wrong));
         let [segment] = block.segments.as_slice() else {
-            return at_number(refused::several_values(point));
+            return at_number(refusals::several_values(point));
         };
         let value = self.point_value(point, segment)?;
         match self.found.memory.points.insert(point, value) {
-            Some(old) if old != value => at_number(refused::point_twice(point, value, old)),
+            Some(old) if old != value => at_number(refusals::point_twice(point, value, old)),
             _ => Ok(()),
         }
     }
@@ -333,13 +333,13 @@ impl Reader<'_> {
     fn point_value(&self, point: u32, segment: &Segment) -> Result<i32, Complaint> {
         let text = &self.text[segment.value.clone()];
         let wrong = if segment.axis.is_some() || segment.letter != 'P' {
-            refused::no_plain_value(point)
+            refusals::no_plain_value(point)
         } else if text.contains('.') {
-            refused::no_whole_value(point, text)
+            refusals::no_whole_value(point, text)
         } else {
             match text.parse() {
                 Ok(value) if POINT_VALUES.contains(&value) => return Ok(value),
-                _ => refused::large_value(point, text),
+                _ => refusals::large_value(point, text),
             }
         };
         Err(Complaint::new(segment.value.clone(), wrong))
@@ -353,12 +353,12 @@ impl Reader<'_> {
             let key = ParameterKey { number, axis };
             let value = self.parameter_value(number, segment)?;
             if keys.contains(&key) {
-                return Err(Complaint::new(segment.value.clone(), refused::two_values(key)));
+                return Err(Complaint::new(segment.value.clone(), refusals::two_values(key)));
             }
             keys.push(key);
             let old = self.found.memory.parameters.insert(key, value);
             if let Some(old) = old.filter(|old| self.writer != Writer::Kit && *old != value) {
-                let wrong = refused::other_value(key, old);
+                let wrong = refusals::other_value(key, old);
                 return Err(Complaint::new(block.number_span.clone(), wrong));
             }
         }
@@ -370,15 +370,15 @@ impl Reader<'_> {
         let refuse = |wrong| Err(Complaint::new(segment.value.clone(), wrong));
         let is_length = LENGTH_PARAMETERS.contains(&number) || self.writer == Writer::Kit;
         if is_length && !self.writer.may_write(segment.letter) {
-            return refuse(refused::other_letter(number, segment.letter));
+            return refuse(refusals::other_letter(number, segment.letter));
         }
         // Bit parameters of concern (B-63950EN: 1001, 1006, 1013, 360x, 5700; 8135 on 0i).
         let is_bits = matches!(number, 1001 | 1006 | 1013 | 3601..=3605 | 5700 | 8135);
         let value = if is_bits { bits(text) } else { whole_or_real(text) };
         match value {
             Some(value) => Ok(value),
-            None if is_bits => refuse(refused::no_bits(number, text)),
-            None => refuse(refused::too_large(text)),
+            None if is_bits => refuse(refusals::no_bits(number, text)),
+            None => refuse(refusals::too_large(text)),
         }
     }
 }

@@ -11,7 +11,7 @@
 //! Written from the contract alone; it knows nothing of the program's own templates.
 
 mod check;
-mod refused;
+mod refusals;
 mod rows;
 mod typed;
 
@@ -56,7 +56,7 @@ fn rows_of(
 ) -> Result<Vec<Row>, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if let Some(column) = held.filter(|_| !typed::is_list(text)) {
-        return Err(refused::no_list(file_name, column).into());
+        return Err(refusals::no_list(file_name, column).into());
     }
     if text.trim_start().starts_with('{') {
         rows::read_json(file_name, text)
@@ -111,7 +111,7 @@ pub fn merge(files: Vec<Vec<Row>>) -> Result<Vec<Row>, Problems> {
     let first = files.next().unwrap_or_default();
     for twin in files {
         if let Some(difference) = first_difference(&first, &twin) {
-            problems.push(refused::no_twins(difference));
+            problems.push(refusals::no_twins(difference));
         }
     }
     problems.or_ok(first)

@@ -18,7 +18,7 @@ use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, ReadBack, file_name, quoted};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, complaints, lines, located, number, words};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Finding, Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -48,8 +48,8 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     let (lists, others): (Vec<_>, Vec<_>) = texts.iter().partition(|(_, text)| is_list(text));
     let (list_name, text) = match lists[..] {
         [(name, text)] => (name, text),
-        [] => return Err(refused::no_list(quoted(&others)).into()),
-        _ => return Err(refused::several_lists(quoted(&lists)).into()),
+        [] => return Err(refusals::no_list(quoted(&others)).into()),
+        _ => return Err(refusals::several_lists(quoted(&lists)).into()),
     };
     let list = list(list_name, text)?;
     let mut problems = Problems::none();
@@ -59,17 +59,17 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
         let is_it =
             |(name, _): &&(&str, &str)| file_name(name).eq_ignore_ascii_case(file_name(path));
         let Some((name, text)) = others.iter().find(is_it) else {
-            problems.push(refused::not_listed_file(shown(list_name), shown(path)));
+            problems.push(refusals::not_listed_file(shown(list_name), shown(path)));
             continue;
         };
         named.push(name);
         for curve in problems.take(curves_of(name, text)).into_iter().flatten() {
             let (parameter, points) = (curve.parameter, curve.points.len());
             if points > MOST_POINTS {
-                problems.push(refused::points(shown(name), parameter, points, MOST_POINTS));
+                problems.push(refusals::points(shown(name), parameter, points, MOST_POINTS));
             }
             match curves.iter().any(|other| other.parameter == parameter) {
-                true => problems.push(refused::in_two_files(parameter, shown(name))),
+                true => problems.push(refusals::in_two_files(parameter, shown(name))),
                 false => curves.push(curve),
             }
         }
@@ -130,7 +130,7 @@ fn list(file: &str, text: &str) -> Result<List, Problems> {
         };
         taken.map_err(|expected| wrong(&setting, expected))
     });
-    let missing = list.missing().map(|what| Complaint::new(0..0, refused::list_without(what)));
+    let missing = list.missing().map(|what| Complaint::new(0..0, refusals::list_without(what)));
     complaints.extend(missing);
     located(file, text, complaints).or_ok(list)
 }
@@ -215,7 +215,7 @@ fn one_of(value: &str, words: &[&str], expected: &'static str) -> Result<(), &'s
 
 fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
     let (key, value) = (shown(&setting.key), shown(setting.value));
-    Complaint::new(setting.span.clone(), refused::other_setting(key, value, expected))
+    Complaint::new(setting.span.clone(), refusals::other_setting(key, value, expected))
 }
 
 // `ISG_CSV`: blocks of a header and rows of numbers between blanks; `//` begins a comment, `#` ends a block.
@@ -276,7 +276,7 @@ fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
     let other = block.parameters().map(|(_, parameter)| parameter);
     match other.filter(|parameter| !own(parameter)).last() {
         None => Ok(block),
-        Some(parameter) => Err(Complaint::new(span, refused::other_argument(parameter))),
+        Some(parameter) => Err(Complaint::new(span, refusals::other_argument(parameter))),
     }
 }
 
@@ -292,7 +292,7 @@ fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
     if is_name && !name.starts_with(|c: char| c.is_ascii_digit()) {
         return Ok(Column::Zero(name));
     }
-    Err(Complaint::new(span, refused::no_parameter(shown(word))))
+    Err(Complaint::new(span, refusals::no_parameter(shown(word))))
 }
 
 impl Block {
@@ -312,21 +312,21 @@ impl Block {
     fn push(&mut self, row: &Words<'_>, span: Range<usize>) -> Result<(), Complaint> {
         let complaint = |wrong| Err(Complaint::new(span.clone(), wrong));
         if row.len() != self.columns.len() {
-            return complaint(refused::other_count(row.len(), self.columns.len()));
+            return complaint(refusals::other_count(row.len(), self.columns.len()));
         }
         let mut numbers = Vec::new();
         for ((word, span), column) in row.iter().zip(&self.columns) {
-            let no_number = || Complaint::new(span.clone(), refused::no_number(shown(word)));
+            let no_number = || Complaint::new(span.clone(), refusals::no_number(shown(word)));
             let value = number(word).ok_or_else(no_number)?;
             if let (Column::Zero(name), true) = (column, value.abs() > 0.0) {
-                return complaint(refused::not_zero(name, value));
+                return complaint(refusals::not_zero(name, value));
             }
             numbers.push(value);
         }
         match (self.argument(), self.rows.last()) {
-            (None, Some(_)) => complaint(refused::second_row()),
+            (None, Some(_)) => complaint(refusals::second_row()),
             (Some(at), Some(last)) if numbers[at] <= last[at] => {
-                complaint(refused::not_ascending(numbers[at], last[at], ""))
+                complaint(refusals::not_ascending(numbers[at], last[at], ""))
             }
             _ => {
                 self.rows.push(numbers);
@@ -342,12 +342,12 @@ fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
         return Ok(());
     };
     if block.rows.is_empty() {
-        return Err(Complaint::new(block.span, refused::no_row()));
+        return Err(Complaint::new(block.span, refusals::no_row()));
     }
     let argument = block.argument();
     for (index, parameter) in block.parameters() {
         if curves.iter().any(|curve| curve.parameter == parameter) {
-            return Err(Complaint::new(block.span.clone(), refused::twice(parameter)));
+            return Err(Complaint::new(block.span.clone(), refusals::twice(parameter)));
         }
         let position = |row: &[f64]| argument.map_or(0.0, |at| row[at]);
         let point = |row: &Vec<f64>| Point { position: position(row), value: row[index] };

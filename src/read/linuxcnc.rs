@@ -22,7 +22,7 @@ use crate::read::lexer::{Complaint, Cursor, lines, located};
 use crate::read::listed;
 use crate::read::program::blocks::Meaning::{self, End, Neutral};
 use crate::read::program::blocks::{Code, Vocabulary, refuse, without_comments};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Finding, Problem, Problems, shown};
 use part_program::Language;
 use std::collections::BTreeMap;
@@ -75,7 +75,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     let is_hal = |(_, text): &(&str, &str)| takes_hal && files::is_hal(text);
     let (hals, others): (Vec<_>, Vec<_>) = others.into_iter().partition(is_hal);
     if inis.is_empty() && (hals.is_empty() || !others.is_empty()) {
-        return Err(refused::no_ini(quoted(&others)).into());
+        return Err(refusals::no_ini(quoted(&others)).into());
     }
     let (ini_name, text) = match inis.is_empty() {
         true => ("", ""), // a HAL file alone
@@ -90,7 +90,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
             continue;
         };
         match others.iter().find(|(name, _)| file_name(name) == file_name(path)) {
-            None => problems.push(refused::no_comp_file(number, shown(path))),
+            None => problems.push(refusals::no_comp_file(number, shown(path))),
             Some((name, text)) => {
                 named.push(name);
                 let of_profile = joint.columns.unwrap_or(Columns::Reached) == facts.columns.value;
@@ -129,7 +129,7 @@ fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<ListedTable
     match hals {
         [] => Ok(Vec::new()),
         [(name, text)] => files::tables(name, text, facts),
-        [_, (name, _), ..] => Err(refused::second_hal(shown(name)).into()),
+        [_, (name, _), ..] => Err(refusals::second_hal(shown(name)).into()),
     }
 }
 
@@ -150,7 +150,7 @@ fn the_ini<'a>(inis: &[(&'a str, &'a str)]) -> Result<(&'a str, &'a str), Proble
     match (&machines[..], inis) {
         ([of_machine], _) => Ok(**of_machine),
         ([], [only]) => Ok(*only),
-        _ => Err(refused::several_inis(quoted(inis))),
+        _ => Err(refusals::several_inis(quoted(inis))),
     }
 }
 
@@ -162,7 +162,7 @@ fn ambiguous(ini: &Ini) -> Option<Problem> {
         paths.iter().any(|other| other != *path && file_name(other) == file_name(path))
     };
     let path = paths.iter().find(twin)?;
-    Some(refused::same_name(shown(file_name(path))))
+    Some(refusals::same_name(shown(file_name(path))))
 }
 
 // LinuxCNC part programs of measuring runs: `(…)` is a comment, `(MSG,…)` a text for the screen.
@@ -229,10 +229,10 @@ fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Pro
         }
     };
     if lines.any(|(row, _)| row.is_some()) {
-        return refuse(Complaint::new(stop, refused::stops_reading()));
+        return refuse(Complaint::new(stop, refusals::stops_reading()));
     }
     if rows.is_empty() {
-        return refuse(Complaint::new(stop, refused::no_first_row()));
+        return refuse(Complaint::new(stop, refusals::no_first_row()));
     }
     Ok(rows)
 }
@@ -270,17 +270,18 @@ fn wrong(before: &[Point], row: Point, span: &Range<usize>, most: u32) -> Option
     let is_length = |number: f64| number.abs() < LONGEST;
     let complaint = |wrong| Some(Complaint::new(span.clone(), wrong));
     if span.len() > LONGEST_LINE {
-        return complaint(refused::long_row(span.len(), LONGEST_LINE));
+        return complaint(refusals::long_row(span.len(), LONGEST_LINE));
     }
     if ![row.position, row.forward].into_iter().chain(row.reverse).all(is_length) {
-        return complaint(refused::beyond_machines());
+        return complaint(refusals::beyond_machines());
     }
     let last = before.last().map(|last| last.position);
     if let Some(last) = last.filter(|last| row.position <= *last) {
         let drops = ": LinuxCNC drops the row";
-        return complaint(refused::not_ascending(row.position, last, drops));
+        return complaint(refusals::not_ascending(row.position, last, drops));
     }
-    (before.len() >= most as usize).then(|| Complaint::new(span.clone(), refused::row_behind(most)))
+    (before.len() >= most as usize)
+        .then(|| Complaint::new(span.clone(), refusals::row_behind(most)))
 }
 
 #[cfg(test)]

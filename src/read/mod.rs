@@ -18,7 +18,7 @@ mod lexer;
 pub mod linuxcnc;
 mod listed;
 pub mod program;
-mod refused;
+mod refusals;
 pub mod siemens;
 
 pub use self::family::{

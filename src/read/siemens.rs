@@ -34,7 +34,7 @@ use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::program::blocks::Cancelled::*;
 use crate::read::program::blocks::Meaning::*;
 use crate::read::program::blocks::{Code, Meaning, Vocabulary};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Problem, Problems, refuse_long_lines, shown};
 use part_program::Language;
 use std::ops::Range;
@@ -76,7 +76,7 @@ impl Family for SiemensFacts {
     }
 
     fn refusal(&self, name: &str, bytes: &[u8]) -> Option<Problem> {
-        is_archive(bytes).then(|| refused::archive(shown(name)))
+        is_archive(bytes).then(|| refusals::archive(shown(name)))
     }
 }
 
@@ -167,7 +167,7 @@ impl<'a> Reader<'a> {
     fn is_full(&mut self, line: &Range<usize>) -> bool {
         let has_too_many = self.statements > MOST_STATEMENTS || self.memory.is_full();
         if has_too_many {
-            let wrong = refused::much_data(MOST_STATEMENTS, MOST_TABLES, MOST_DATA);
+            let wrong = refusals::much_data(MOST_STATEMENTS, MOST_TABLES, MOST_DATA);
             self.complaints.push(Complaint::new(line.clone(), wrong));
         }
         has_too_many || self.complaints.len() >= MOST_COMPLAINTS
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
         }
         self.statements += 1;
         if self.ended {
-            return Err(Complaint::new(code, refused::after_end()));
+            return Err(Complaint::new(code, refusals::after_end()));
         }
         match found {
             Statement::Nothing => {}
@@ -240,7 +240,7 @@ impl<'a> Reader<'a> {
                 && behind_end.len() < MOST_COMPLAINTS
                 && !matches!(concern, Concern::Unit(_))
             {
-                behind_end.push(Complaint::new(code, refused::after_end()));
+                behind_end.push(Complaint::new(code, refusals::after_end()));
             }
         }
         if !has_headers && is_program(self.file) {
@@ -275,14 +275,14 @@ fn destination(text: &str) -> Result<(), Complaint> {
     let named = text[path.clone()].to_ascii_uppercase();
     match named.strip_prefix(";$PATH=") {
         Some(folder) if is_data && folder.trim_end() != "/_N_NC_ACT_DIR" => {
-            Err(Complaint::new(path, refused::goes_elsewhere()))
+            Err(Complaint::new(path, refusals::goes_elsewhere()))
         }
         _ => Ok(()),
     }
 }
 
 fn no_end(end: usize) -> Complaint {
-    Complaint::new(end..end, refused::no_end_word())
+    Complaint::new(end..end, refusals::no_end_word())
 }
 
 // SINUMERIK part programs of measuring runs: `;` begins a comment, `MSG("…")` is a text for the screen.

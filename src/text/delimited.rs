@@ -6,7 +6,7 @@
 
 use crate::quantity::{MM_PER_INCH, UM_PER_MM};
 use crate::text::{
-    LARGEST_NUMBER, Place, Problem, Problems, Source, counted, nearest, refused, shown, words,
+    LARGEST_NUMBER, Place, Problem, Problems, Source, counted, nearest, refusals, shown, words,
 };
 use std::borrow::Cow;
 use std::ops::Range;
@@ -102,7 +102,7 @@ impl<'a> Line<'a> {
     /// Its cells, if they are as many as in the header.
     pub(crate) fn cells_under(&self, columns: usize) -> Result<Vec<Cow<'a, str>>, Problem> {
         if self.text.bytes().filter(|byte| *byte == b'"').count() % 2 == 1 {
-            return Err(refused::open_quote().at(self.whole()));
+            return Err(refusals::open_quote().at(self.whole()));
         }
         let cells = self.cells();
         let help = match cells.len() {
@@ -112,7 +112,7 @@ impl<'a> Line<'a> {
                 "every row has as many cells as the header: a cell that may be empty keeps its separator"
             }
         };
-        Err(refused::other_length(counted(cells.len(), "cell"), columns, help).at(self.whole()))
+        Err(refusals::other_length(counted(cells.len(), "cell"), columns, help).at(self.whole()))
     }
 
     fn place(&self, span: Range<usize>) -> Place {
@@ -158,7 +158,7 @@ impl<'a> Line<'a> {
                 }
                 None => ("expected a finite number", expected),
             };
-            let problem = refused::other_number(name, found, what, help);
+            let problem = refusals::other_number(name, found, what, help);
             problem.at(self.cell_place(index)).in_column(index)
         });
         None
@@ -256,7 +256,7 @@ const MOST_COLUMNS: usize = 1000;
 pub(crate) fn refuse_many_columns(header: &Line<'_>, help: &str) -> Result<(), Problem> {
     match header.cells().len() {
         0..=MOST_COLUMNS => Ok(()),
-        count => Err(refused::many_columns(count, MOST_COLUMNS, help).at(header.whole())),
+        count => Err(refusals::many_columns(count, MOST_COLUMNS, help).at(header.whole())),
     }
 }
 
@@ -288,18 +288,18 @@ pub(crate) fn unknown_column(name: &str, known: &[&str], columns: &str) -> Probl
     let other = quantity(name).map(with_unit).unwrap_or_default();
     for (list, what) in [(with_unit(name), "no unit"), (other, "an unknown unit")] {
         if !list.is_empty() {
-            return refused::column_unit(found, what, list.join(", "));
+            return refusals::column_unit(found, what, list.join(", "));
         }
     }
     let Some(near) = nearest(name, known.iter().copied()) else {
-        return refused::unknown_column(found, columns);
+        return refusals::unknown_column(found, columns);
     };
     // A quantity may stand in several units; which of them was meant nobody knows.
     let meant = match with_unit(quantity(near).unwrap_or(near)).as_slice() {
         [] => format!("`{near}`"),
         meant => meant.join(" or "),
     };
-    refused::unknown_column(found, format!("did you mean {meant}?"))
+    refusals::unknown_column(found, format!("did you mean {meant}?"))
 }
 
 #[cfg(test)]

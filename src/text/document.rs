@@ -12,7 +12,7 @@ pub(crate) use self::page::{Pages, read_page, states};
 
 pub use self::keys::Key;
 pub(crate) use self::keys::{part, section};
-use crate::text::{LineIndex, Place, Problem, Problems, refused};
+use crate::text::{LineIndex, Place, Problem, Problems, refusals};
 pub use section::Section;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -102,7 +102,7 @@ impl Source {
 /// Refuses a text of more than [`MOST_LINES`] lines.
 pub(crate) fn refuse_many_lines(name: &str, text: &str) -> Result<(), Problem> {
     let beyond = text.split('\n').nth(MOST_LINES + 1);
-    beyond.map_or(Ok(()), |_| Err(refused::many_lines(name, MOST_LINES)))
+    beyond.map_or(Ok(()), |_| Err(refusals::many_lines(name, MOST_LINES)))
 }
 
 /// No line of a file that is read as a whole has more bytes: columns are counted and parts are shown
@@ -113,12 +113,12 @@ pub const LONGEST_LINE_BYTES: usize = 1 << 16;
 /// kind.
 pub(crate) fn refuse_long_lines(name: &str, text: &str) -> Result<(), Problem> {
     let long = text.split('\n').position(|line| line.len() > LONGEST_LINE_BYTES);
-    long.map_or(Ok(()), |at| Err(refused::long_line(at + 1, name, LONGEST_LINE_BYTES)))
+    long.map_or(Ok(()), |at| Err(refusals::long_line(at + 1, name, LONGEST_LINE_BYTES)))
 }
 
 /// Refuses a page that is larger than anybody writes.
 pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
-    if bytes <= LARGEST_PAGE { Ok(()) } else { Err(refused::large_page(name, LARGEST_PAGE >> 10)) }
+    if bytes <= LARGEST_PAGE { Ok(()) } else { Err(refusals::large_page(name, LARGEST_PAGE >> 10)) }
 }
 
 /// The text of a template: a page, too.
@@ -151,7 +151,7 @@ pub(crate) fn not_utf_8(name: &str, bytes: &[u8]) -> Problem {
         let line = bytes[..good].split(|byte| *byte == b'\n').count();
         format!("holds a letter in another encoding in line {line}")
     };
-    refused::not_text(name, what)
+    refusals::not_text(name, what)
 }
 
 /// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB), and none

@@ -5,7 +5,7 @@ mod document;
 mod finding;
 pub(crate) mod plain;
 mod problem;
-mod refused;
+mod refusals;
 
 pub(crate) use self::document::{
     Pages, json_page, not_utf_8, part, read_page, refuse_large_page, refuse_long_lines,

@@ -22,7 +22,7 @@ use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, Seen, ascii, is_comment_text, seen, with};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::Task;
 use serde::Serialize;
 use serde_json::Value;
@@ -71,7 +71,7 @@ fn list_of<'a>(
 ) -> Result<&'a [tera::Value], Problem> {
     seen.get(list)
         .and_then(tera::Value::as_array)
-        .ok_or_else(|| refused::no_such_list(key, shown(list), shown(&file.path)))
+        .ok_or_else(|| refusals::no_such_list(key, shown(list), shown(&file.path)))
 }
 
 /// The files of a profile's file: one, or one for each item of a list, with the item; none where its list is empty.
@@ -161,7 +161,7 @@ fn refuse_unsafe_text(task: Task<'_>) -> Result<(), Problems> {
     const OF: &str = "the control's files";
     let mut problems = refused_texts(task.job, comment_texts(task.job), OF);
     if !is_comment_text(&ascii(&task.profile.name)) {
-        problems.push(refused::no_comment("the profile's `name`", OF, COMMENT_TEXT));
+        problems.push(refusals::no_comment("the profile's `name`", OF, COMMENT_TEXT));
     }
     problems.or_ok(())
 }
@@ -174,7 +174,7 @@ pub(super) fn refused_texts<'a>(
 ) -> Problems {
     let mut problems = Problems::none();
     for (path, _) in texts.filter(|(_, text)| !is_comment_text(&ascii(text))) {
-        let wrong = refused::no_comment(format!("`{path}`"), files, COMMENT_TEXT);
+        let wrong = refusals::no_comment(format!("`{path}`"), files, COMMENT_TEXT);
         problems.push(job.source.at(path, wrong));
     }
     problems
@@ -231,7 +231,7 @@ pub(crate) fn render_checklist(
     compiled: &Compiled,
     words: &Words,
 ) -> Result<Vec<KitFile>, Problems> {
-    let words = Seen::try_from_serializable(words).map_err(refused::no_context)?;
+    let words = Seen::try_from_serializable(words).map_err(refusals::no_context)?;
     let head = head_of(&Emitted::of_kit(task, compiled));
     const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
     let names = head.into_map().unwrap_or_default().into_iter();
@@ -301,7 +301,7 @@ pub(crate) fn bytes_of(path: &str, text: &str, profile: &Profile) -> Result<Vec<
     let is_plain = |byte: u8| (b' '..=b'~').contains(&byte);
     let has_unseen = |line: &str| !line.bytes().all(is_plain) && line.contains(unseen);
     if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| has_unseen(line)) {
-        return Err(refused::unseen(number, shown(path), shown(line)));
+        return Err(refusals::unseen(number, shown(path), shown(line)));
     }
     let text = lines.by_ref().collect::<Vec<&str>>().join(profile.line_end.value.text());
     Ok(match profile.encoding() {

@@ -18,7 +18,7 @@ use crate::write::family::{
     Bump, Compiled, Emitted, Family, ProofOf, backlash_parameter, control_state,
 };
 use crate::write::grid::{LengthDigit, as_number, whole};
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key, axis_pairs};
 use std::collections::BTreeMap;
@@ -275,12 +275,12 @@ fn check_3605(task: Task<'_>, problems: &mut Problems) {
         let Some(bits) = settings.parameter_3605 else { continue };
         if bits & 0b1100 != 0 {
             let key = axis_key(axis, ".parameter_3605");
-            problems.push(task.job.source.at(&key, refused::other_bits()));
+            problems.push(task.job.source.at(&key, refusals::other_bits()));
         }
         let found = (bits >> 1) & 1;
         if let Some(stated) = settings.interpolated.filter(|stated| u8::from(*stated) != found) {
             let key = axis_key(axis, ".interpolated");
-            problems.push(task.job.source.at(&key, refused::other_bit_1(stated, found)));
+            problems.push(task.job.source.at(&key, refusals::other_bit_1(stated, found)));
         }
     }
 }
@@ -290,7 +290,7 @@ fn check_backlash(task: Task<'_>, plan: &Plan, problems: &mut Problems) {
         if let Some((counts, unit_um)) = backlash_counts(task, plan, axis)
             && counts.abs() > LARGEST_BACKLASH
         {
-            let wrong = refused::large_backlash(axis, counts, unit_um, LARGEST_BACKLASH);
+            let wrong = refusals::large_backlash(axis, counts, unit_um, LARGEST_BACKLASH);
             problems.push(task.job.source.at("compensation.backlash", wrong));
         }
     }

@@ -13,7 +13,7 @@ use crate::control::controller::ControlUnit;
 use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::quantity::{Axis, Millimetres, Nodes, power_of_ten};
 use crate::text::{Problem, Problems};
-use crate::write::refused;
+use crate::write::refusals;
 
 /// Smallest difference of two spacings when the number of points is given (contract §2.3).
 const SPACING_STEP_MM: f64 = 0.001;
@@ -163,7 +163,7 @@ pub(crate) fn with_spacing(
         |key: &str, wrong| job.source.at(&format!("compensation.axes.{}.{key}", axis.key()), wrong);
     if spacing_mm < digit.digit_mm() {
         let (last, unit) = (digit.digit_mm() / digit.unit.in_mm(), digit.unit.word());
-        return Err(at("spacing_mm", refused::below_digit(spacing_mm, last, unit)).into());
+        return Err(at("spacing_mm", refusals::below_digit(spacing_mm, last, unit)).into());
     }
     let mut problems = Problems::none();
     let spacing_digits = digits_of(spacing_mm, digit);
@@ -176,10 +176,10 @@ pub(crate) fn with_spacing(
     let last = stated("end_mm", settings.end_mm).unwrap_or(last);
     if first > 0 || last < 0 {
         let key = if first > 0 { "start_mm" } else { "end_mm" };
-        problems.push(at(key, refused::without_reference(axis, machine.reference.mm())));
+        problems.push(at(key, refusals::without_reference(axis, machine.reference.mm())));
     }
     if first == last && problems.is_empty() {
-        problems.push(at("spacing_mm", refused::single_point(axis)));
+        problems.push(at("spacing_mm", refusals::single_point(axis)));
     }
     problems.or_ok(Grid { reference: machine.reference, spacing_digits, digit, first, last })
 }
@@ -214,7 +214,7 @@ fn on_grid(machine: MachineAxis, spacing_mm: f64, place_mm: f64) -> Result<i64, 
         return Ok(whole(index.round()));
     }
     let [below, above] = [index.floor(), index.ceil()].map(|at| reference_mm + at * spacing_mm);
-    Err(refused::off_grid(place_mm, spacing_mm, reference_mm, below, above))
+    Err(refusals::off_grid(place_mm, spacing_mm, reference_mm, below, above))
 }
 
 /// A grid of a number of points: the smallest spacing (rounded up to 0.001 mm) with which that
@@ -230,7 +230,7 @@ pub(crate) fn with_points(
     let fits = |step: i64| span.count(spacing_of(step)) <= wanted;
     let longest = whole(((span.below + span.above) / SPACING_STEP_MM).ceil().max(1.0));
     if !fits(longest) {
-        return Err(refused::two_points(points, machine.reference.mm()));
+        return Err(refusals::two_points(points, machine.reference.mm()));
     }
     let (mut too_short, mut enough) = (0, longest);
     while enough - too_short > 1 {

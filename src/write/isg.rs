@@ -23,7 +23,7 @@ use crate::write::family::{
 };
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_key};
 
 impl Family for IsgFacts {
@@ -175,7 +175,7 @@ impl IsgFacts {
         }
         if !angles.is_empty() {
             let chain = task.job.chain_for_angles("machine");
-            chain.map_err(|problem| problem.help(refused::STATE_CHAIN))?;
+            chain.map_err(|problem| problem.help(refusals::STATE_CHAIN))?;
         }
         Ok(angles)
     }
@@ -240,8 +240,8 @@ fn logical_axes(task: Task<'_>, plan: &Plan) -> Result<PerAxis<Option<u32>>, Pro
     for (axis, names) in plan.names.iter() {
         let (key, wrong) = match names.len() {
             1 => continue,
-            0 => ("machine.axes".to_string(), refused::needs_all_axes(axis.key())),
-            count => (axis_key(axis, ".ids"), refused::takes_one_axis(count, axis)),
+            0 => ("machine.axes".to_string(), refusals::needs_all_axes(axis.key())),
+            count => (axis_key(axis, ".ids"), refusals::takes_one_axis(count, axis)),
         };
         problems.push(task.job.source.at(&key, wrong));
     }

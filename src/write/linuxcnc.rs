@@ -21,7 +21,7 @@ use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use std::collections::BTreeMap;
@@ -283,7 +283,7 @@ impl LinuxcncFacts {
         if curves <= most {
             return Ok(());
         }
-        let wrong = refused::many_curves(curves, self.curve_points.value, most);
+        let wrong = refusals::many_curves(curves, self.curve_points.value, most);
         Err(task.job.source.at("compensation.axes", wrong))
     }
 

@@ -12,7 +12,7 @@ use crate::write::control_text::fixed;
 use crate::write::family::{
     Compiled, Family, Placement, ProofOf, backlash_text, column, control_state,
 };
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// A plan in the numbers of a control, without preconditions and notes.
@@ -162,7 +162,7 @@ fn check(own: &impl Listed, task: Task<'_>, tables: &[ListedTable]) -> Result<()
         let largest = numbers.flatten().fold(0.0_f64, |most, number| most.max(number.abs()));
         if largest > most {
             let largest = fixed(largest, form.decimals());
-            let wrong = refused::large_value(own.table_name(table), largest, most);
+            let wrong = refusals::large_value(own.table_name(table), largest, most);
             problems.push(task.job.source.at("compensation.axes", wrong));
         }
     }
@@ -190,7 +190,7 @@ fn check_ends(
         let Some(planned) = plan.tables.iter().find(is_short) else {
             continue;
         };
-        let wrong = refused::ends_inside(axis, form(planned).outside.why());
+        let wrong = refusals::ends_inside(axis, form(planned).outside.why());
         problems.push(task.job.source.at(&axis_key(axis, ""), wrong));
     }
     problems.or_ok(())

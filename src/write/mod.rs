@@ -12,7 +12,7 @@ pub mod fanuc;
 mod isg;
 mod linuxcnc;
 mod listed;
-mod refused;
+mod refusals;
 pub mod siemens;
 
 pub mod compensation;

@@ -15,7 +15,7 @@ use crate::text::{Finding, MOST_POINTS, Problem, Problems, grouped, joined};
 use crate::write::control_text::trimmed;
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::selection::{self, Choice, Cost, TableStock};
 use crate::write::target::{self, Omission, Target, TermTargets};
 use crate::write::task::axis_key;
@@ -90,7 +90,7 @@ fn apply(
 fn no_table(task: Task<'_>, omitted: &[Omission]) -> Problem {
     let reasons = omitted.iter().map(|own| format!("{}: {}", own.term, own.reason));
     let reasons = reasons.collect::<Vec<_>>().join(" · ");
-    task.job.source.at("compensation.controller", refused::no_table(&task.profile.name, reasons))
+    task.job.source.at("compensation.controller", refusals::no_table(&task.profile.name, reasons))
 }
 
 /// Cost of each term in tables the control has few of, and how many it has.
@@ -119,7 +119,7 @@ fn costs(
 /// `first_table` or `first_set` names one that the control does not have.
 fn none_left(task: Task<'_>, budget: TableStock) -> Problem {
     let TableStock { tables, resource, key, .. } = budget;
-    let wrong = refused::none_left(key, tables, resource, &task.profile.name);
+    let wrong = refusals::none_left(key, tables, resource, &task.profile.name);
     task.job.source.at(&format!("compensation.{key}"), wrong)
 }
 
@@ -165,7 +165,7 @@ fn refuse_too_many_points(
         let along = targets.iter().filter(|target| target.term.along == axis);
         let mut limits = along.map(|target| point_limit(task.profile, &[target]));
         if let Some((most, holder)) = limits.find(|(most, _)| count > *most as usize) {
-            let wrong = refused::many_points(axis, count, most, holder);
+            let wrong = refusals::many_points(axis, count, most, holder);
             problems.push(task.job.source.at(&axis_key(axis, ""), wrong));
         }
     }
@@ -175,7 +175,7 @@ fn refuse_too_many_points(
     };
     let points: usize = targets.iter().map(points_of).sum();
     if points > MOST_POINTS && problems.is_empty() {
-        let wrong = refused::many_points_in_all(points, MOST_POINTS);
+        let wrong = refusals::many_points_in_all(points, MOST_POINTS);
         problems.push(task.job.source.at("compensation.axes", wrong));
     }
 }
@@ -217,7 +217,7 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
         if job.machine.axes[axis].is_none() {
             if !stated.is_empty() {
                 let path = axis_key(axis, "");
-                problems.push(job.source.at(&path, refused::no_such_axis(&path)));
+                problems.push(job.source.at(&path, refusals::no_such_axis(&path)));
             }
             Vec::new()
         } else if stated.is_empty() {
@@ -242,10 +242,10 @@ fn check_names(
             let at_id = |wrong| job.source.at(&axis_key(axis, ".id"), wrong);
             if let Some(expected) = family(profile).expected_name(axis, name) {
                 let usual = &profile.axis_names.value[axis as usize];
-                problems.push(at_id(refused::no_axis_name(name, expected, usual)));
+                problems.push(at_id(refusals::no_axis_name(name, expected, usual)));
             }
             if seen.iter().any(|other| other.eq_ignore_ascii_case(name)) {
-                problems.push(at_id(refused::two_axes(name, axis)));
+                problems.push(at_id(refusals::two_axes(name, axis)));
             }
             seen.push(name);
         }
@@ -334,7 +334,7 @@ fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &Extent)>) -> Problem {
         (corrections.max_by(largest).unwrap_or(0.0), slopes.max_by(largest).unwrap_or(0.0));
     let Limits { max_correction_um: most_um, max_slope_um_per_mm: steepest, .. } = limits;
     let (own, in_um) = (names(&|own| own.name.clone()), names(&Heading::in_micrometres));
-    let mut problem = refused::slip_of_unit(own, um, slope, most_um, steepest, in_um);
+    let mut problem = refusals::slip_of_unit(own, um, slope, most_um, steepest, in_um);
     problem.place = headings.first().map(|first| first.place.clone());
     problem
 }
@@ -360,13 +360,13 @@ fn check_table(task: Task<'_>, table: &PlannedTable, extent: &Extent, problems: 
             false => "check the measurement;",
         };
         let (um, most_um) = ((-value).um(), limits.max_correction_um);
-        let wrong = refused::large_correction(table.term, um, place(index), most_um, first);
+        let wrong = refusals::large_correction(table.term, um, place(index), most_um, first);
         problems.push(at_limit("max_correction_um", wrong));
     }
     let (index, slope) = extent.steepest;
     if slope > limits.max_slope_um_per_mm {
         let (from, to, most) = (place(index), place(index + 1), limits.max_slope_um_per_mm);
-        let wrong = refused::large_slope(table.term, slope, from, to, most);
+        let wrong = refusals::large_slope(table.term, slope, from, to, most);
         problems.push(at_limit("max_slope_um_per_mm", wrong));
     }
 }

@@ -29,7 +29,7 @@ use crate::write::control_text::{
 };
 use crate::write::emit::{TOOL, bytes_of, comment_texts, engine_context, refused_texts, text};
 use crate::write::grid::LengthDigit;
-use crate::write::refused;
+use crate::write::refusals;
 
 /// The last digit of a position on most controls.
 const MICROMETRE: LengthDigit = LengthDigit { unit: ControlUnit::Millimetre, decimals: 3 };
@@ -145,7 +145,7 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
         &profile_name,
     ]);
     for text in of_profile.filter(|text| !is_comment_text(text)) {
-        problems.push(refused::text_of_profile(shown(text), COMMENT_TEXT));
+        problems.push(refusals::text_of_profile(shown(text), COMMENT_TEXT));
     }
     problems.or_ok(())
 }

@@ -24,7 +24,7 @@ use crate::text::Problems;
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
 use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
 use crate::write::grid::LengthDigit;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
 
@@ -215,7 +215,7 @@ fn check_sum(task: Task<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Re
     if sum <= limit {
         return Ok(());
     }
-    Err(task.job.source.at("compensation.controller", refused::cut_off(sum, limit)).into())
+    Err(task.job.source.at("compensation.controller", refusals::cut_off(sum, limit)).into())
 }
 
 // What Siemens templates see: `lec`, `cec`, and the switches of both.

@@ -7,7 +7,7 @@ use crate::machine::model::{Measured, MeasuredTerm};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm};
 use crate::text::{Problem, Problems, joined};
 use crate::write::family::family;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::Task;
 
 /// The targets of all wanted terms, and the terms that are not wanted or not determined.
@@ -52,7 +52,7 @@ fn check_wanted(task: Task<'_>, problems: &mut Problems) {
         return;
     };
     for term in terms.iter().filter(|term| task.model.terms[**term].is_none()) {
-        problems.push(task.job.source.at("compensation.terms", refused::term_not_measured(term)));
+        problems.push(task.job.source.at("compensation.terms", refusals::term_not_measured(term)));
     }
 }
 
@@ -67,7 +67,7 @@ fn check_policy(task: Task<'_>, problems: &mut Problems) {
     let policies = &task.job.compensation.backlash;
     let is_open = |axis: &Axis| policies[*axis].is_none() && both_ways(axis);
     if Axis::ALL.iter().any(is_open) {
-        let wrong = refused::no_policy(known_how(task.job));
+        let wrong = refusals::no_policy(known_how(task.job));
         problems.push(task.job.source.at("compensation", wrong));
     }
     check_directions(task, problems);
@@ -91,13 +91,13 @@ fn check_directions(task: Task<'_>, problems: &mut Problems) {
         };
         let (key, word) = (axis.key(), policy.word());
         problems.push(if for_all {
-            job.source.at("compensation.backlash", refused::no_directions(word))
+            job.source.at("compensation.backlash", refusals::no_directions(word))
         } else {
             let found = match along(task, axis).next() {
                 Some(_) => "those of the job have no direction",
                 None => "the job compensates none",
             };
-            let wrong = refused::no_directions_along(key, word, axis, found);
+            let wrong = refusals::no_directions_along(key, word, axis, found);
             job.source.at(&format!("compensation.backlash.{key}"), wrong)
         });
     }
@@ -152,7 +152,7 @@ fn one_way_problem(
         }
         (_, Direction::Minus) => "measure both directions, or leave `backlash` out",
     };
-    let wrong = refused::one_way(policy.word(), needs, axis, direction, joined(terms), help);
+    let wrong = refusals::one_way(policy.word(), needs, axis, direction, joined(terms), help);
     job.source.at("compensation.backlash", wrong)
 }
 
@@ -210,7 +210,7 @@ fn both_ways(
             Ok(TermTargets { term, targets, mean, note })
         }
         BacklashPolicy::TwoTables | BacklashPolicy::Mean => {
-            let none = || refused::no_common_range(term);
+            let none = || refusals::no_common_range(term);
             let has_two = policy == BacklashPolicy::TwoTables;
             let note = has_two.then(|| match equal {
                 true => "both directions are equal, so one table is written".to_string(),

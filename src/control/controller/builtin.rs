@@ -1,7 +1,7 @@
 //! The profiles and templates that are compiled into the program.
 
 use crate::control::controller::{Profile, ProfileSource, load};
-use crate::control::refused;
+use crate::control::refusals;
 use crate::text::{Problem, Problems, Source, nearest, shown};
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -54,7 +54,7 @@ fn unknown(word: &str) -> Problem {
         Some((id, name)) => format!("did you mean `{id}` ({name})? {built_in}"),
         None => built_in,
     };
-    refused::unknown_controller(shown(word), help)
+    refusals::unknown_controller(shown(word), help)
 }
 
 /// The control that a word names: most of its parts stand in the id and the full name, one of them

@@ -12,7 +12,7 @@ use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated
 use super::family::{Family, Proof};
 use super::form::{Form, Listed, Order, Rounding, Size, ValueForm};
 use super::pattern::{Field, Pattern};
-use crate::control::refused;
+use crate::control::refusals;
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::{Axis, ErrorTerm, UM_PER_MM};
 use crate::text::{LengthUnit, Section, section, words};
@@ -75,7 +75,7 @@ impl Stated for Vec<Factor> {
         let own = own.map(|(name, term)| Some(Factor { name, term: ErrorTerm::from_name(&term)? }));
         let factors: Option<Vec<Factor>> = own.collect();
         if factors.as_ref().is_none_or(Vec::is_empty) {
-            fact.refuse("value", refused::no_factors());
+            fact.refuse("value", refusals::no_factors());
         }
         factors
     }
@@ -273,11 +273,11 @@ impl DeclaredFacts {
                 true => ": two columns of a table that follows another axis cannot be declared",
                 false => "",
             };
-            facts.section.refuse("lines", refused::no_field(field.word(), two));
+            facts.section.refuse("lines", refusals::no_field(field.word(), two));
         }
         let names_axes = self.has(Field::Axis) || self.has(Field::Output);
         if !names_axes && self.factors.is_none() {
-            facts.section.refuse("lines", refused::no_axis_field());
+            facts.section.refuse("lines", refusals::no_axis_field());
         }
     }
 }

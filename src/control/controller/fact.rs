@@ -1,6 +1,6 @@
 //! A fact of a control, how sure it is, and how it is read from its page.
 
-use crate::control::refused;
+use crate::control::refusals;
 use crate::quantity::{Correction, Deviation};
 use crate::text::{Section, Word, words};
 use serde::Serialize;
@@ -390,7 +390,7 @@ impl Stated for Vec<NumberRange> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let pairs = fact.whole_pairs("value")?;
         if pairs.iter().any(|[first, last]| first > last) {
-            fact.refuse("value", refused::ends_before());
+            fact.refuse("value", refusals::ends_before());
         }
         let block = |[first, last]: [u32; 2]| NumberRange { first, last };
         Some(pairs.into_iter().map(block).collect())
@@ -445,7 +445,7 @@ impl<'a> Facts<'a> {
     /// Tells of a number beyond what the program can write or a control can mean.
     pub(super) fn expect(&self, name: &str, is_right: bool, expected: &str) {
         if !is_right {
-            self.section.refuse(name, refused::out_of_range(name, expected));
+            self.section.refuse(name, refusals::out_of_range(name, expected));
         }
     }
 

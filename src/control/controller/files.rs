@@ -1,7 +1,7 @@
 //! `[[files]]` of a profile: what a kit consists of.
 
 use crate::control::controller::fact::{Mechanism, Role, TableForm};
-use crate::control::refused;
+use crate::control::refusals;
 use crate::text::{Section, Word, section, shown};
 use std::borrow::Cow;
 
@@ -107,7 +107,7 @@ impl Templates<'_> {
         let is_own = root.begins_at(key).is_none_or(|at| at < self.own_end);
         let text = (self.find)(&name, is_own);
         if text.is_none() {
-            section.refuse("template", refused::no_template(shown(&name)));
+            section.refuse("template", refusals::no_template(shown(&name)));
         }
         Some(Template { name, text: text? })
     }
@@ -121,7 +121,7 @@ pub(super) fn files(
 ) -> Option<Vec<EmittedFile>> {
     let sections = root.sections("files");
     if sections.is_empty() {
-        root.refuse("files", refused::no_files());
+        root.refuse("files", refusals::no_files());
         return None;
     }
     let mut files: Vec<EmittedFile> = Vec::new();
@@ -131,7 +131,7 @@ pub(super) fn files(
         match file(root, section, templates) {
             Some(file) if of_form.is_none() || of_form == form.as_deref() => {
                 if files.iter().any(|o| o.path.eq_ignore_ascii_case(&file.path)) {
-                    section.refuse("path", refused::twice(shown(&file.path)));
+                    section.refuse("path", refusals::twice(shown(&file.path)));
                 }
                 files.push(file);
             }
@@ -139,7 +139,7 @@ pub(super) fn files(
         }
     }
     if are_whole && !files.iter().any(|file| file.role == Role::Table) {
-        root.refuse("files", refused::no_table());
+        root.refuse("files", refusals::no_table());
     }
     are_whole.then_some(files)
 }
@@ -153,7 +153,7 @@ fn file(
     section.refuse_unknown_keys();
     let file = file?;
     if !is_plain_file_name(&each_plain(section, &file)) {
-        section.refuse("path", refused::no_file_name(shown(&file.path)));
+        section.refuse("path", refusals::no_file_name(shown(&file.path)));
     }
     Some(file)
 }
@@ -166,14 +166,14 @@ fn mechanism(
 ) -> Option<Mechanism> {
     let fits = |role| section.has(key) == (role == Role::SignProof);
     if !role.is_none_or(fits) {
-        section.refuse("role", refused::mechanism_of_proof());
+        section.refuse("role", refusals::mechanism_of_proof());
     }
     section.choice(key, proved)
 }
 
 fn loaded(section: &Section<'_>, key: &'static str, role: Option<Role>) -> Option<bool> {
     if section.has(key) && role.is_some_and(|role| role != Role::Report) {
-        section.refuse(key, refused::loaded_of_report());
+        section.refuse(key, refusals::loaded_of_report());
     }
     section.flag(key)
 }
@@ -182,7 +182,7 @@ fn loaded(section: &Section<'_>, key: &'static str, role: Option<Role>) -> Optio
 fn each_plain(section: &Section<'_>, file: &EmittedFile) -> String {
     let plain = file.path.replacen('{', "", 1).replacen('}', "", 1);
     if (plain.len() + 2 == file.path.len()) != file.each.is_some() {
-        section.refuse("path", refused::each_without_field());
+        section.refuse("path", refusals::each_without_field());
     }
     plain
 }

@@ -16,7 +16,7 @@ use crate::control::controller::{
     JobKey, LineEnd, LinuxcncFacts, ProfileSource, SiemensFacts, Statement, Typed, declared, fanuc,
     isg, linuxcnc, siemens,
 };
-use crate::control::refused;
+use crate::control::refusals;
 use crate::quantity::{Direction, Millimetres};
 use crate::text::{Problems, Section, Source, Word, read_page, refuse_large_page, section, shown};
 use toml::de::{DeArray, DeTable, DeValue};
@@ -196,7 +196,7 @@ fn read_profile(
     templates: Templates<'_>,
 ) -> Option<Profile> {
     if root.whole("schema") != Some(1) {
-        root.refuse("schema", refused::no_schema());
+        root.refuse("schema", refusals::no_schema());
     }
     let id = root.required_text("id", "a short name such as `fanuc-30i`")?;
     let name = root.required_text("name", "maker and model")?;
@@ -205,7 +205,7 @@ fn read_profile(
     let states = |key| facts.begins_at(key).is_some(); // which is no fact of other controls
     let has_both = states("factors") && (states("own_sign") || states("file_name"));
     if has_both {
-        facts.refuse("factors", refused::factors_and_points());
+        facts.refuse("factors", refusals::factors_and_points());
     }
     if family.is_none() || has_both {
         root.ask_no_more(); // what else there is depends on it
@@ -219,12 +219,12 @@ fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
         return Some(());
     };
     let Some(base) = below.last() else {
-        root.refuse("based_on", refused::base_not_built_in(shown(&id)));
+        root.refuse("based_on", refusals::base_not_built_in(shown(&id)));
         return None;
     };
     let (own, base) = (root.text("dialect")?, text_of(base, "dialect")?);
     if own != base {
-        root.refuse("dialect", refused::other_dialect(shown(&own), base));
+        root.refuse("dialect", refusals::other_dialect(shown(&own), base));
         return None;
     }
     Some(())
@@ -260,12 +260,12 @@ fn axis_names(facts: &Facts<'_>) -> Option<Fact<Vec<String>>> {
     let stated = facts.stated::<Vec<String>>("axis_names")?;
     let (fact, names) = (facts.section.section("axis_names")?, &stated.value);
     if names.len() != 3 {
-        fact.refuse("value", refused::not_three_names(names.len()));
+        fact.refuse("value", refusals::not_three_names(names.len()));
     }
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let other = |name: &&String| name.is_empty() || !name.chars().all(plain);
     for name in names.iter().filter(other) {
-        fact.refuse("value", refused::no_axis_name(shown(name)));
+        fact.refuse("value", refusals::no_axis_name(shown(name)));
     }
     Some(stated)
 }

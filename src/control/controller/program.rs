@@ -3,7 +3,7 @@
 use crate::control::controller::fact::{ControlUnit, Fact, Facts, Statement};
 use crate::control::controller::family::LanguageFacts;
 use crate::control::controller::files::{Template, Templates};
-use crate::control::refused;
+use crate::control::refusals;
 use crate::text::{Section, Word, section, shown, words};
 
 words! {
@@ -102,7 +102,7 @@ fn language(section: &Section<'_>) -> Option<Language> {
 fn extension(section: &Section<'_>) -> String {
     let extension = section.text("extension").unwrap_or("NC".to_string());
     if extension.is_empty() || !extension.chars().all(|c| c.is_ascii_alphanumeric()) {
-        section.refuse("extension", refused::no_extension());
+        section.refuse("extension", refusals::no_extension());
     }
     extension
 }
@@ -112,7 +112,7 @@ const MOST_DECIMALS: u32 = 6;
 fn decimals(fact: &Section<'_>) -> Option<u32> {
     let decimals = fact.whole("value")?;
     if decimals > MOST_DECIMALS {
-        fact.refuse("value", refused::many_decimals(decimals, MOST_DECIMALS));
+        fact.refuse("value", refusals::many_decimals(decimals, MOST_DECIMALS));
     }
     Some(decimals)
 }
@@ -123,7 +123,7 @@ fn dwell_words(fact: &Section<'_>, language: Option<Language>) -> Option<String>
     let text = fact.text("value")?;
     let (addresses, expected) = language?.facts().dwell;
     if !text.ends_with(addresses) {
-        fact.refuse("value", refused::other_dwell(shown(&text), expected));
+        fact.refuse("value", refusals::other_dwell(shown(&text), expected));
     }
     Some(text)
 }
@@ -133,7 +133,7 @@ fn three_letters(fact: &Section<'_>) -> Option<Vec<String>> {
     let letters = fact.texts("value")?;
     let plain = |text: &String| text.len() == 1 && text.chars().all(|c| "XYZUVWABC".contains(c));
     if letters.len() != 3 || !letters.iter().all(plain) {
-        fact.refuse("value", refused::no_letters());
+        fact.refuse("value", refusals::no_letters());
     }
     Some(letters)
 }

@@ -10,7 +10,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{KitFile, Profile, Role};
 use crate::inputs::job::Job;
 use crate::judge::findings::{FileFault, InControl};
-use crate::judge::refused;
+use crate::judge::refusals;
 use crate::quantity::PerAxis;
 use crate::read::read;
 use crate::text::{Finding, Problem, Problems, json_page, sha256, shown};
@@ -29,13 +29,13 @@ pub fn from_kit(
     manifest: &[u8],
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<ActiveControl, Problems> {
-    let damaged = |error| at_key(job, refused::damaged_manifest(path, error));
+    let damaged = |error| at_key(job, refusals::damaged_manifest(path, error));
     let document: Value = json_page(manifest).map_err(damaged)?;
     let files = acting(job, path, &document, files)?;
     let mut problems = Problems::none();
     let (controller, state) = (word(&document["controller"]), &document["state"]);
     if controller != profile.id {
-        let wrong = refused::other_control(shown(controller), &profile.id);
+        let wrong = refusals::other_control(shown(controller), &profile.id);
         problems.push(at_key(job, wrong));
     }
     let findings = check_machine(job, &document["machine"], &mut problems);
@@ -87,7 +87,7 @@ fn acting(
             FileFault::Missing { file } | FileFault::NoPlainName { file } => (file, "is missing"),
             FileFault::NotReadable { message } => (message, "cannot be read"),
         };
-        problems.push(at_key(job, refused::other_file(name, path, what)));
+        problems.push(at_key(job, refusals::other_file(name, path, what)));
     }
     let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
     let acting = listed(document).filter_map(|(name, entry)| {
@@ -167,8 +167,8 @@ fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Fin
             notes.push(InControl::SameSerial { key, kit: shown(kit), own }.into());
         } else {
             let is_serial = key == "serial";
-            let help = if is_serial { refused::LOADED } else { refused::LOADED_OR_NAMED };
-            problems.push(at_key(job, refused::other_machine(what, shown(kit), own, help)));
+            let help = if is_serial { refusals::LOADED } else { refusals::LOADED_OR_NAMED };
+            problems.push(at_key(job, refusals::other_machine(what, shown(kit), own, help)));
             if is_serial {
                 break;
             }
@@ -196,16 +196,16 @@ fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Prob
     }
     let (unit, own_unit) = (word(&state["unit"]), own.unit.word());
     if unit != own_unit {
-        problems.push(at_key(job, refused::other_unit(shown(unit), own_unit)));
+        problems.push(at_key(job, refusals::other_unit(shown(unit), own_unit)));
     }
     for entry in items(&state["axes"]) {
         let name = word(&entry["name"]);
         let Some(axis) = own.axis(name) else {
-            problems.push(at_key(job, refused::no_such_axis(shown(name))));
+            problems.push(at_key(job, refusals::no_such_axis(shown(name))));
             continue;
         };
         for words in differences(axis, entry) {
-            problems.push(at_key(job, refused::other_axis(name, words)));
+            problems.push(at_key(job, refusals::other_axis(name, words)));
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
 use crate::judge::field::{Field, Pair};
 use crate::judge::findings::{InControl, InSum, joined};
-use crate::judge::refused;
+use crate::judge::refusals;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::{
     AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres,
@@ -85,11 +85,11 @@ fn angles_active(
         name.is_some_and(|name| control.rotation(name, rotation.about).is_some())
     };
     let rotation = Rotation::all().find(is_held)?;
-    Some(at_key(job, refused::angles_active(rotation)))
+    Some(at_key(job, refusals::angles_active(rotation)))
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
-    at_key(job, refused::not_determined(&reason.0)).into()
+    at_key(job, refusals::not_determined(&reason.0)).into()
 }
 
 /// No table of the job's axes at all.
@@ -104,7 +104,7 @@ fn nothing(job: &Job, active: &ActiveControl) -> Problem {
         [] => "the files hold no correction at all".to_string(),
         some => some.join("; "),
     };
-    at_key(job, refused::nothing_active(found))
+    at_key(job, refusals::nothing_active(found))
 }
 
 /// Axes of which the new tables set the backlash parameter.
@@ -127,7 +127,7 @@ fn check_backlash(
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if sets(axis) && active.backlash_um[axis].is_none() {
-            problems.push(at_key(job, refused::no_backlash(axis)));
+            problems.push(at_key(job, refusals::no_backlash(axis)));
         }
     }
     problems.or_ok(())
@@ -175,10 +175,10 @@ fn old_correction(
     let all: Vec<Pair> = all.collect::<Emulated<_>>().map_err(|reason| cannot(job, &reason))?;
     if let Some(index) = (1..all.len()).find(|index| differs(&all[0], &all[*index])) {
         let (first, other) = (pairs[0].1, pairs[index].1);
-        return Err(at_key(job, refused::gantry_differs(term, first, other)).into());
+        return Err(at_key(job, refusals::gantry_differs(term, first, other)).into());
     }
     if all.iter().flat_map(Pair::tables).any(|table| table.modulo) {
-        return Err(at_key(job, refused::repeats(term)).into());
+        return Err(at_key(job, refusals::repeats(term)).into());
     }
     Ok(all.into_iter().next().filter(acts))
 }
@@ -198,12 +198,12 @@ impl Sum<'_> {
         let zero = old.way(machine.homing()).correction(machine.reference);
         let settings = &self.job.measurement.active_settings;
         if zero.um().abs() > ZERO_UM && !settings.rezero {
-            let wrong = refused::not_zero(term, zero.um(), machine.reference.mm());
+            let wrong = refusals::not_zero(term, zero.um(), machine.reference.mm());
             problems.push(at_key(self.job, wrong));
             return;
         }
         let refused = match (&self.model.terms[term], settings.not_measured) {
-            (None, None) => Some(at_key(self.job, refused::not_measured(term))),
+            (None, None) => Some(at_key(self.job, refusals::not_measured(term))),
             (None, Some(NotMeasured::Drop)) => {
                 self.notes.push(InSum::Dropped { term });
                 return;
@@ -299,5 +299,5 @@ fn not_asked(job: &Job, term: ErrorTerm) -> Problem {
     } else {
         KEY
     };
-    job.source.at(path, refused::not_asked(term))
+    job.source.at(path, refusals::not_asked(term))
 }

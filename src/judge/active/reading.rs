@@ -6,7 +6,7 @@ use crate::control::controller::{ControlUnit, NumberRange, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::judge::findings::InControl;
-use crate::judge::refused;
+use crate::judge::refusals;
 use crate::quantity::{Axis, PerAxis};
 use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::stated_control;
@@ -227,7 +227,7 @@ pub(super) fn backlash_of(
             && (found - own).abs() > SAME_UM
         {
             let path = format!("measurement.active_backlash_um.{}", axis.key());
-            problems.push(job.source.at(&path, refused::other_backlash(found, axis, own)));
+            problems.push(job.source.at(&path, refusals::other_backlash(found, axis, own)));
         }
     }
     PerAxis::from_fn(|axis| found[axis].or(stated[axis]))

@@ -5,7 +5,7 @@ use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope};
 use crate::judge::findings::{AsLeft, joined};
-use crate::judge::refused;
+use crate::judge::refusals;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::machine::separation::curves::range;
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Volume};
@@ -20,18 +20,18 @@ pub(crate) fn ensure_same_machine(first: &Job, second: &Job) -> Result<(), Probl
         if let (Some(here), Some(there)) = (here, there)
             && here != there
         {
-            let other = refused::of_other_machine(&what, there, &here);
+            let other = refusals::of_other_machine(&what, there, &here);
             problems.push(second.source.at(&key, other));
-            problems.push(first.source.at(&key, refused::as_found(what, here)));
+            problems.push(first.source.at(&key, refusals::as_found(what, here)));
         }
     }
     // Lengths that were brought to 20 °C cannot be compared with lengths that were not.
     let stated = |job: &Job| Some(job.measurement.diagonals()?.material.is_some());
     if (stated(first), stated(second)) == (Some(true), Some(false)) {
-        problems.push(second.source.at("", refused::no_material()));
+        problems.push(second.source.at("", refusals::no_material()));
     }
     if ![Acceptance::default(), first.acceptance].contains(&second.acceptance) {
-        problems.push(second.source.at("acceptance", refused::other_limits()));
+        problems.push(second.source.at("acceptance", refusals::other_limits()));
     }
     problems.or_ok(())
 }
@@ -77,7 +77,7 @@ fn told(job: &Job) -> Vec<(String, String, Option<String>)> {
 pub(super) fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<(), Problems> {
     let names = |model: &ErrorModel| joined(model.measured().map(|(term, _)| term));
     if !model.measured().any(|(term, _)| before.terms[term].is_some()) {
-        return Err(refused::no_common_error(names(before), names(model)).into());
+        return Err(refusals::no_common_error(names(before), names(model)).into());
     }
     let mut problems = Problems::none();
     for axis in Axis::ALL {
@@ -86,7 +86,7 @@ pub(super) fn common_terms(before: &ErrorModel, model: &ErrorModel) -> Result<()
         };
         if second.1 <= first.0 || second.0 >= first.1 {
             let [[from, to], [low, high]] = [first, second].map(|(a, b)| [a.mm(), b.mm()]);
-            problems.push(refused::no_common_range(axis, from, to, low, high));
+            problems.push(refusals::no_common_range(axis, from, to, low, high));
         }
     }
     problems.or_ok(())
@@ -98,7 +98,7 @@ pub(super) fn nine_terms_over(before: &ErrorModel, runs: &StraightRuns) -> Resul
     };
     let mut problems = Problems::none();
     for words in not_known(before, walks).into_iter().chain(outside(before, &runs.volume)) {
-        problems.push(refused::not_told(words));
+        problems.push(refusals::not_told(words));
     }
     problems.or_ok(())
 }

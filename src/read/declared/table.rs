@@ -4,7 +4,7 @@ use crate::control::controller::{DeclaredFacts, Field, Order, ValueForm};
 use crate::control::table::{ListedTable, Point, name};
 use crate::quantity::rounded;
 use crate::read::lexer::Complaint;
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::shown;
 use std::ops::Range;
 
@@ -72,7 +72,7 @@ impl<'a> Draft<'a> {
         if let (Some(one), Some(own)) = (&whose.axes, &self.own.axes)
             && !is_same(one, own)
         {
-            return Err(Complaint::new(line.clone(), refused::second_pair()));
+            return Err(Complaint::new(line.clone(), refusals::second_pair()));
         }
         self.own.name = self.own.name.take().or(whose.name);
         self.own.axes = self.own.axes.take().or(whose.axes);
@@ -117,7 +117,7 @@ impl<'a> Draft<'a> {
     pub(super) fn table(self) -> Result<ListedTable, Complaint> {
         let Some([base, output]) = self.own.axes.clone() else {
             let name = self.own.name.as_deref().map_or(String::new(), shown);
-            return Err(Complaint::new(self.line, refused::table_of_nobody(name)));
+            return Err(Complaint::new(self.line, refusals::table_of_nobody(name)));
         };
         let is_own = base.eq_ignore_ascii_case(&output);
         let what = name(&base, &output);
@@ -133,7 +133,7 @@ impl<'a> Draft<'a> {
             if self.facts.value_form.value == ValueForm::Increment && first.abs() > 0.0 {
                 return Err(Complaint::new(
                     row.line.clone(),
-                    refused::first_increment(what, first),
+                    refusals::first_increment(what, first),
                 ));
             }
         }
@@ -146,13 +146,13 @@ impl<'a> Draft<'a> {
         let (rows, most) = (self.rows.len(), facts.points.value as usize);
         let wrong = |span: &Range<usize>, wrong| Err(Complaint::new(span.clone(), wrong));
         if !is_own && facts.cross_terms.value == 0 {
-            return wrong(&self.line, refused::no_cross_table(what));
+            return wrong(&self.line, refusals::no_cross_table(what));
         }
         if rows > most {
-            return wrong(&self.rows[most].line, refused::point_beyond(most));
+            return wrong(&self.rows[most].line, refusals::point_beyond(most));
         }
         if rows < most.min(2) {
-            return wrong(&self.line, refused::few_points(what, rows));
+            return wrong(&self.line, refusals::few_points(what, rows));
         }
         let last = facts.first_point.value as usize + rows - 1;
         // Beside positions a start and a spacing say the same once more.
@@ -165,7 +165,7 @@ impl<'a> Draft<'a> {
                 continue;
             };
             if (said - is).abs() > DUST {
-                return wrong(span, refused::says_otherwise(said, is));
+                return wrong(span, refusals::says_otherwise(said, is));
             }
         }
         Ok(())
@@ -177,14 +177,15 @@ impl<'a> Draft<'a> {
         match row.number {
             None if self.rows[0].number.is_none() => Ok(()),
             Some(number) if (number - expected).abs() < 0.5 => Ok(()),
-            _ => Err(Complaint::new(row.line.clone(), refused::gap(expected, what))),
+            _ => Err(Complaint::new(row.line.clone(), refusals::gap(expected, what))),
         }
     }
 
     /// Where a point lies, in the unit of the file.
     fn position(&self, index: usize, row: &Row) -> Result<f64, Complaint> {
         let facts = self.facts;
-        let missing = |field: &str| Complaint::new(row.line.clone(), refused::point_without(field));
+        let missing =
+            |field: &str| Complaint::new(row.line.clone(), refusals::point_without(field));
         match facts.is_spaced() {
             false => {
                 let of_factor = facts.factors.as_ref().map(|_| 0.0);
@@ -207,7 +208,7 @@ impl<'a> Draft<'a> {
         };
         match before {
             Some(before) if !is_behind => {
-                Err(Complaint::new(row.line.clone(), refused::other_order(position, word, before)))
+                Err(Complaint::new(row.line.clone(), refusals::other_order(position, word, before)))
             }
             _ => Ok(()),
         }
@@ -223,7 +224,7 @@ fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint>
     let all = [Field::Value, Field::Forward, Field::Reverse];
     if let Some(field) = all.iter().find(|own| row.of(**own).is_some() != wanted.contains(own)) {
         let with = if row.of(*field).is_some() { "with" } else { "without" };
-        return Err(Complaint::new(row.line.clone(), refused::other_values(with, field.word())));
+        return Err(Complaint::new(row.line.clone(), refusals::other_values(with, field.word())));
     }
     let mut values = wanted.iter().filter_map(|field| row.of(*field));
     Ok(Point { position, forward: values.next().unwrap_or_default(), reverse: values.next() })
@@ -232,7 +233,7 @@ fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint>
 /// Takes a field that was not there yet.
 fn put(fields: &mut Vec<(Field, Placed)>, field: Field, placed: Placed) -> Result<(), Complaint> {
     if fields.iter().any(|(own, _)| *own == field) {
-        return Err(Complaint::new(placed.1, refused::second(field.word())));
+        return Err(Complaint::new(placed.1, refusals::second(field.word())));
     }
     fields.push((field, placed));
     Ok(())
@@ -248,6 +249,6 @@ fn number_in(text: &str, field: Field, span: &Range<usize>) -> Result<f64, Compl
     let number = number.filter(|number| !whole || number.fract().abs() <= 0.0);
     number.map(|number| number + 0.0).ok_or_else(|| {
         let kind = if whole { "a whole number" } else { "a number" };
-        Complaint::new(span.clone(), refused::other_kind(field.word(), shown(written), kind))
+        Complaint::new(span.clone(), refusals::other_kind(field.word(), shown(written), kind))
     })
 }

@@ -19,7 +19,7 @@ use crate::read::lexer::{Complaint, Cursor, lines};
 use crate::read::program::blocks::Cancelled::*;
 use crate::read::program::blocks::Meaning::{self, *};
 use crate::read::program::blocks::{Code, Vocabulary, refuse, without_comments};
-use crate::read::refused;
+use crate::read::refusals;
 use part_program::Language;
 use std::ops::Range;
 
@@ -51,7 +51,7 @@ pub(super) fn number(block: &str) -> Option<(u32, &str)> {
 /// with `%`; before that of a read-out some text may stand.
 pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) -> Range<usize> {
     let mut refuse = |span: Range<usize>, message: &str| {
-        complaints.push(Complaint::new(span, refused::frame(message)));
+        complaints.push(Complaint::new(span, refusals::frame(message)));
     };
     let (Some(opening), Some(closing)) = (text.find('%'), text.rfind('%')) else {
         refuse(0..0, "the file has no opening `%`");
@@ -139,7 +139,7 @@ pub(super) struct Segment {
 pub(super) fn parse(text: &str, span: Range<usize>) -> Result<Block, Complaint> {
     if let Some((at, c)) = text[span.clone()].char_indices().find(|(_, c)| !c.is_ascii()) {
         let at = span.start + at;
-        return Err(Complaint::new(at..at + c.len_utf8(), refused::not_ascii(c)));
+        return Err(Complaint::new(at..at + c.len_utf8(), refusals::not_ascii(c)));
     }
     let mut words = Words(Cursor::new(text, span, &[' ', '\t']));
     words.0.peek_word();
@@ -175,7 +175,7 @@ impl Words<'_> {
         let text = self.0.text(span.clone());
         match text.parse() {
             Ok(number) => Ok(Some((number, start..span.end))),
-            Err(_) => Err(Complaint::new(span, refused::large_number(text))),
+            Err(_) => Err(Complaint::new(span, refusals::large_number(text))),
         }
     }
 
@@ -188,7 +188,7 @@ impl Words<'_> {
         match self.0.text(span.clone()) {
             "0" => Ok(Some(true)),
             "1" => Ok(Some(false)),
-            other => Err(Complaint::new(span, refused::other_identifier(other))),
+            other => Err(Complaint::new(span, refusals::other_identifier(other))),
         }
     }
 
@@ -198,7 +198,7 @@ impl Words<'_> {
         let spindle = self.marked("S")?;
         let axis = self.marked("A")?;
         if let Some((0, span)) = axis {
-            return Err(Complaint::new(span, refused::axis_0()));
+            return Err(Complaint::new(span, refusals::axis_0()));
         }
         let Some(letter) = self.0.eat("PMI") else {
             return Err(self.unexpected("`P` and a value"));
@@ -225,18 +225,18 @@ impl Words<'_> {
     fn unexpected(&self, expected: &str) -> Complaint {
         let Some(found) = self.0.peek() else {
             let span = self.0.at.saturating_sub(1)..self.0.at;
-            return Complaint::new(span, refused::block_ends(expected));
+            return Complaint::new(span, refusals::block_ends(expected));
         };
         let wrong = match found {
-            '\r' => refused::carriage_return(),
-            'a'..='z' => refused::lower_case(),
-            ';' => refused::semicolon(),
-            '(' => refused::comment(),
-            'O' | ':' => refused::program_number(),
-            'G' | 'R' => refused::program_block(),
-            '%' => refused::percent_inside(),
-            ',' => refused::decimal_comma(),
-            _ => refused::not_expected(found.escape_debug(), expected),
+            '\r' => refusals::carriage_return(),
+            'a'..='z' => refusals::lower_case(),
+            ';' => refusals::semicolon(),
+            '(' => refusals::comment(),
+            'O' | ':' => refusals::program_number(),
+            'G' | 'R' => refusals::program_block(),
+            '%' => refusals::percent_inside(),
+            ',' => refusals::decimal_comma(),
+            _ => refusals::not_expected(found.escape_debug(), expected),
         };
         Complaint::new(self.0.at..self.0.at + found.len_utf8(), wrong)
     }

@@ -1,6 +1,6 @@
 //! What a row of the generic table must be, and what the rows must be to each other.
 
-use super::refused;
+use super::refusals;
 use crate::quantity::{Axis, Direction, ErrorTerm};
 use crate::read::emulate::step_of;
 use crate::text::{Problem, Problems};
@@ -123,11 +123,11 @@ fn check(number: usize, row: &Row, flaws: &mut Vec<Flaw>) {
     let mut flaw = |column, problem| flaws.push(Flaw::new(number, column, problem));
     if row.term().is_none() {
         let names = ErrorTerm::ALL.map(|term| term.to_string()).join(" ");
-        flaw("term", refused::other_term(&row.term, names));
+        flaw("term", refusals::other_term(&row.term, names));
     }
     refuse_nameless_axes(row, &mut flaw);
     if let (Some(symbol), None) = (&row.direction, row.way()) {
-        flaw("direction", refused::other_direction(symbol));
+        flaw("direction", refusals::other_direction(symbol));
     }
     refuse_other_values(row, &mut flaw);
 }
@@ -138,7 +138,7 @@ fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, Problem))
     };
     for (column, name) in [("base_axis", &row.base_axis), ("output_axis", &row.output_axis)] {
         if !is_name(name) {
-            flaw(column, refused::nameless_axis(column, name));
+            flaw(column, refusals::nameless_axis(column, name));
         }
     }
 }
@@ -147,11 +147,11 @@ fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, Problem))
 fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, Problem)) {
     if (row.deviation_um + row.correction_um).abs() > 0.0 {
         let opposite = 0.0 - row.deviation_um;
-        flaw("correction_um", refused::not_opposite(row.correction_um, opposite));
+        flaw("correction_um", refusals::not_opposite(row.correction_um, opposite));
     }
     match (row.index, row.increment_um) {
-        (0, Some(um)) => flaw("increment_um", refused::first_increment(um)),
-        (1.., None) => flaw("increment_um", refused::no_increment()),
+        (0, Some(um)) => flaw("increment_um", refusals::first_increment(um)),
+        (1.., None) => flaw("increment_um", refusals::no_increment()),
         _ => {}
     }
 }
@@ -191,13 +191,13 @@ fn direction_flaw(rows: &[Row], blocks: &Blocks, (term, axes, way): &Whose) -> O
     if let Some(both) = of(None) {
         let row = own[0].max(both[0]);
         let Row { base_axis, output_axis, .. } = &rows[row];
-        let wrong = refused::with_and_without(base_axis, output_axis);
+        let wrong = refusals::with_and_without(base_axis, output_axis);
         return Some(Flaw::new(row, "direction", wrong));
     }
     let at = |row: &usize| rows[*row].position_mm;
     let same = own.iter().zip(other?).take_while(|(a, b)| (at(a) - at(b)).abs() <= 0.0).count();
     let row = *own.get(same).filter(|_| own.len() >= other.map_or(0, Vec::len))?;
-    Some(Flaw::new(row, "position_mm", refused::one_way_position()))
+    Some(Flaw::new(row, "position_mm", refusals::one_way_position()))
 }
 
 /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
@@ -213,13 +213,13 @@ fn names(rows: &[Row]) -> Vec<Flaw> {
         ] {
             match known.iter().find(|(met, _)| met.eq_ignore_ascii_case(name)) {
                 None if known.len() == MOST_AXES => {
-                    flaws.push(Flaw::new(number, column, refused::another_axis(name, MOST_AXES)));
+                    flaws.push(Flaw::new(number, column, refusals::another_axis(name, MOST_AXES)));
                     return flaws;
                 }
                 None => known.push((name, axis)),
                 Some((_, other)) if *other == axis => {}
                 Some((_, other)) => {
-                    let wrong = refused::two_axes(name, axis, &row.term, other);
+                    let wrong = refusals::two_axes(name, axis, &row.term, other);
                     flaws.push(Flaw::new(number, column, wrong));
                 }
             }
@@ -232,12 +232,12 @@ fn names(rows: &[Row]) -> Vec<Flaw> {
 fn index_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let mut counted = block.iter().zip(0_u32..);
     if let Some((row, expected)) = counted.find(|(row, expected)| rows[**row].index != *expected) {
-        return Some(Flaw::new(*row, "index", refused::not_next(rows[*row].index, expected)));
+        return Some(Flaw::new(*row, "index", refusals::not_next(rows[*row].index, expected)));
     }
     let [only] = block else {
         return None;
     };
-    Some(Flaw::new(*only, "term", refused::one_point()))
+    Some(Flaw::new(*only, "term", refusals::one_point()))
 }
 
 /// Rows that do not lie behind the one before, or whose increment is not the change.
@@ -246,11 +246,11 @@ fn step_flaws(rows: &[Row], block: &[usize]) -> impl Iterator<Item = Flaw> {
         let (before, row) = (&rows[pair[0]], &rows[pair[1]]);
         let (from, to) = (before.position_mm, row.position_mm);
         if to <= from {
-            return Some(Flaw::new(pair[1], "position_mm", refused::not_behind(to, from)));
+            return Some(Flaw::new(pair[1], "position_mm", refusals::not_behind(to, from)));
         }
         let change = row.correction_um - before.correction_um;
         let increment = row.increment_um?;
-        let other = || refused::other_increment(increment, change);
+        let other = || refusals::other_increment(increment, change);
         ((increment - change).abs() > SAME_INCREMENT_UM)
             .then(|| Flaw::new(pair[1], "increment_um", other()))
     })
@@ -271,6 +271,6 @@ fn spacing_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let worst = (0..steps.len())
         .rev() // the first of equal ones
         .max_by(|a, b| off(&steps[*a]).total_cmp(&off(&steps[*b])))?;
-    let wrong = refused::other_spacing(steps[worst], usual);
+    let wrong = refusals::other_spacing(steps[worst], usual);
     Some(Flaw::new(block[worst + 1], "position_mm", wrong))
 }

@@ -1,7 +1,7 @@
 //! The two forms of the generic table, CSV and `{"schema":1,"rows":[{…}, …]}`, row by row.
 
 use super::check::{Flaw, Row, checked};
-use super::refused;
+use super::refusals;
 use crate::text::{
     Line, LineIndex, MOST_ROWS, Problem, Problems, Source, bounded, lines, nearest,
     refuse_long_lines, refuse_many_columns, shown,
@@ -42,14 +42,14 @@ pub(super) fn read_json(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
         let start = before.map(str::len).sum::<usize>() + flaw.column().saturating_sub(1);
         let whole = flaw.to_string();
         let what = whole.split(" at line ").next().unwrap_or(&whole);
-        at(refused::no_json(what), start, start + 1)
+        at(refusals::no_json(what), start, start + 1)
     })?;
     if document.schema != 1 {
-        return Err(at(refused::other_schema(document.schema), 0, 1).into());
+        return Err(at(refusals::other_schema(document.schema), 0, 1).into());
     }
     if let Some(problem) = wrong_count(document.rows.len()) {
         let (start, end) = place_of(text, document.rows.len(), "rows");
-        return Err(at(problem, start, end).help(refused::NINE_KEYS).into());
+        return Err(at(problem, start, end).help(refusals::NINE_KEYS).into());
     }
     checked(document.rows.into_iter().map(Ok), |flaw| {
         let (start, end) = place_of(text, flaw.row, flaw.column);
@@ -80,7 +80,7 @@ pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
         .map(|line| line.separated_by(b',', false));
     let first_line = format!("first line: {}", COLUMNS.join(","));
     let Some(header) = rows.next() else {
-        return Err(refused::no_table(first_line).at(source.place(&(0..0))).into());
+        return Err(refusals::no_table(first_line).at(source.place(&(0..0))).into());
     };
     refuse_many_columns(&header, &first_line)?;
     let help = "a generic table has nine columns, separated by commas";
@@ -97,9 +97,9 @@ pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
 
 pub(super) fn wrong_count(rows: usize) -> Option<Problem> {
     match rows {
-        0 => Some(refused::no_rows()),
+        0 => Some(refusals::no_rows()),
         1..=MOST_ROWS => None,
-        _ => Some(refused::many_rows(MOST_ROWS)),
+        _ => Some(refusals::many_rows(MOST_ROWS)),
     }
 }
 
@@ -117,13 +117,13 @@ pub(super) fn columns(
         if !known().any(|known| known == name.as_str()) {
             let near = nearest(name, known()).map(|near| format!("did you mean `{near}`?"));
             let help = near.unwrap_or_else(|| format!("expected {}", needed.join(",")));
-            problems.push(at(refused::unknown_column(shown(name), help)));
+            problems.push(at(refusals::unknown_column(shown(name), help)));
         } else if names[..index].contains(name) {
-            problems.push(at(refused::column_twice(name)));
+            problems.push(at(refusals::column_twice(name)));
         }
     }
     for name in needed.iter().filter(|name| !names.iter().any(|own| own == **name)) {
-        problems.push(refused::no_column(name, help).at(header.whole()));
+        problems.push(refusals::no_column(name, help).at(header.whole()));
     }
     problems.or_ok(names)
 }
@@ -187,7 +187,7 @@ fn row(line: Line<'_>, names: &[String]) -> Result<Row, Problems> {
     let mut cells = Cells::of(line, names, NUMBER)?;
     let index = cells.text("index").parse::<u32>();
     if index.is_err() {
-        cells.refuse("index", refused::no_index(cells.text("index")));
+        cells.refuse("index", refusals::no_index(cells.text("index")));
     }
     let row = Row {
         term: cells.text("term"),

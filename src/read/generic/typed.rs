@@ -7,7 +7,7 @@
 //! the correction is zero, so a list names the place, `zero_mm`.
 
 use super::check::{Flaw, Row, checked};
-use super::refused;
+use super::refusals;
 use super::rows::{Cells, columns, place_among, wrong_count};
 use crate::control::controller::TypedValue;
 use crate::quantity::rounded;
@@ -63,7 +63,7 @@ pub(super) fn read(
 ) -> Result<Vec<Row>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let Some((header, lines)) = header_and_rows(&source) else {
-        return Err(refused::empty(file).into());
+        return Err(refusals::empty(file).into());
     };
     let columns = Columns::of(&header, held)?;
     if let Some(problem) = wrong_count(lines.len().min(MOST_ROWS + 1)) {
@@ -112,7 +112,7 @@ impl Columns {
         let names = columns(header, (&COLUMNS, &values), HELP)?;
         let own: Vec<_> = all.iter().filter(|(name, ..)| names.contains(name)).collect();
         let [(value, kind, (unit, um))] = own.as_slice() else {
-            let wrong = refused::columns_of_values(own.len(), values.join(", "));
+            let wrong = refusals::columns_of_values(own.len(), values.join(", "));
             return Err(wrong.at(header.whole()).into());
         };
         let size = if held.is_some() { 1.0 } else { *um };
@@ -154,7 +154,7 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
     let text = cells.text("point");
     let index: Option<u32> = text.parse().ok();
     if index.is_none() && text != SUM {
-        cells.refuse("point", refused::no_point(shown(&text), SUM));
+        cells.refuse("point", refusals::no_point(shown(&text), SUM));
     }
     let mut of_point = |column| if index.is_some() { cells.number(column) } else { 0.0 };
     let [position_mm, zero_mm] = ["position_mm", "zero_mm"].map(&mut of_point);
@@ -195,7 +195,7 @@ fn refuse_other_sums(
         match (sums.next(), sums.next()) {
             (Some(sum), None) => other_sums(&own, sum, columns, &mut problems),
             _ => {
-                let wrong = refused::not_one_sum(shown(page));
+                let wrong = refusals::not_one_sum(shown(page));
                 problems.push(wrong.at(own[0].line.whole()));
             }
         }
@@ -216,7 +216,7 @@ fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: 
             let shown_in = |um: f64| rounded(um / columns.size, DUST_DECIMALS);
             let (total, stated, page) = (shown_in(total), shown_in(stated), shown(&sum.page));
             let help = help_of_sum(own);
-            let wrong = refused::other_sum(column, total, columns.unit, page, stated, help);
+            let wrong = refusals::other_sum(column, total, columns.unit, page, stated, help);
             problems.push(columns.at(&sum.line, column, wrong));
         }
     }
@@ -240,7 +240,7 @@ fn help_of_sum(page: &[&Point<'_>]) -> String {
 /// A missing value is no zero: what was seen counts whole or not at all.
 fn unseen(points: &[Point<'_>], columns: &Columns) -> Option<Problem> {
     let missing = points.iter().filter(|point| point.seen_um.is_none());
-    let wrong = refused::not_seen(missing.clone().count(), points.len());
+    let wrong = refusals::not_seen(missing.clone().count(), points.len());
     Some(columns.at(&missing.clone().next()?.line, "seen", wrong))
 }
 
@@ -288,7 +288,7 @@ fn sum_at_zero(
     let first = &points[block[0]].line;
     let is_zero = |point: &Point<'_>| (point.row.position_mm - point.zero_mm).abs() <= SAME;
     let Some(zero) = block.iter().position(|index| is_zero(&points[*index])) else {
-        return Err(columns.at(first, "zero_mm", refused::nowhere_zero()));
+        return Err(columns.at(first, "zero_mm", refusals::nowhere_zero()));
     };
     let (place, what) = match columns.kind {
         TypedValue::Outward => (zero, "the reference point"),
@@ -296,7 +296,7 @@ fn sum_at_zero(
     };
     let start = &points[block[place]];
     if start.um.abs() > 0.0 {
-        let wrong = refused::increment_from_nothing(what);
+        let wrong = refusals::increment_from_nothing(what);
         return Err(columns.at(&start.line, &columns.value, wrong));
     }
     for at in (1..=place).rev() {

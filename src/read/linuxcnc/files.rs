@@ -7,7 +7,7 @@ use crate::control::controller::{Columns, ControlUnit, LinuxcncFacts, MOST_JOINT
 use crate::control::table::{ListedTable, Point};
 use crate::quantity::rounded;
 use crate::read::lexer::{Complaint, Words, complaints, lines, located, number, words};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -87,11 +87,11 @@ impl Ini {
                 return Ok(());
             }
             if line.starts_with("#INCLUDE") {
-                return Err(Complaint::new(span, refused::includes()));
+                return Err(Complaint::new(span, refusals::includes()));
             }
             match setting(within, line, span).filter(is_read) {
                 Some(setting) if is_second => {
-                    Err(Complaint::new(setting.span, refused::second_section(shown(within))))
+                    Err(Complaint::new(setting.span, refusals::second_section(shown(within))))
                 }
                 Some(setting) if known.insert((within, setting.key)) => {
                     ini.take(&setting).map_err(|expected| wrong(&setting, expected))
@@ -149,7 +149,7 @@ fn unit(value: &str) -> Result<ControlUnit, &'static str> {
 
 fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
     let [section, key, value] = [setting.section, setting.key, setting.value].map(shown);
-    Complaint::new(setting.span.clone(), refused::ini_value(key, section, value, expected))
+    Complaint::new(setting.span.clone(), refusals::ini_value(key, section, value, expected))
 }
 
 // The HAL file of a kit, which corrects joints by the positions of others, in the form of docs/linuxcnc.md §3.
@@ -209,7 +209,7 @@ fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Complaint
             if piece.last().is_some_and(|last| position <= last.position) {
                 return Err(Complaint::new(
                     at,
-                    refused::hal("the points of a curve do not ascend"),
+                    refusals::hal("the points of a curve do not ascend"),
                 ));
             }
             piece.push(Point { position, forward: value, reverse: None });
@@ -277,14 +277,14 @@ fn differs(text: &str, line: &Line<'_>, at: usize, expected: &str) -> Complaint 
     let end = line.last().map_or(text.len(), |(_, span)| span.end);
     let found = line.get(at).map(|(word, span)| (format!("`{}`", shown(word)), span.clone()));
     let (found, span) = found.unwrap_or_else(|| ("nothing".to_string(), end..end));
-    Complaint::new(span, refused::hal(format!("{found} stands here, expected {expected}")))
+    Complaint::new(span, refusals::hal(format!("{found} stands here, expected {expected}")))
 }
 
 /// The curves that the first line loads, each with the joints that it is linked to.
 fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Complaint> {
     let first = lines.first().map_or(&[][..], Vec::as_slice);
     let at = first.first().map_or(0..0, |(_, span)| span.clone());
-    let wrong = |message: String| Complaint::new(at.clone(), refused::hal(message));
+    let wrong = |message: String| Complaint::new(at.clone(), refusals::hal(message));
     let lengths = lengths(first, facts).ok_or_else(|| {
         let [points, most] = [&facts.curve_points, &facts.curves].map(|fact| fact.value);
         wrong(format!("expected `loadrt lincurve count=N personality=LIST` first, of up to {most} curves of 2 to {points} points"))
@@ -300,7 +300,7 @@ fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Comp
         joint.filter(|joint| *joint < MOST_JOINTS).ok_or_else(|| {
             let at = line.map_or(at.clone(), |line| line[0].1.start..line[line.len() - 1].1.end);
             let message = format!("expected a line `net nonius-J-… {pin}` with the joint J");
-            Complaint::new(at, refused::hal(message))
+            Complaint::new(at, refusals::hal(message))
         })
     };
     let curve = |(number, points)| {

@@ -3,7 +3,7 @@
 use crate::control::controller::ControlUnit;
 use crate::quantity::{Axis, PerAxis};
 use crate::read::lexer::Complaint;
-use crate::read::refused;
+use crate::read::refusals;
 use part_program::{Language, NAME, words};
 use std::ops::Range;
 
@@ -159,7 +159,7 @@ fn outside_brackets(line: &str) -> Option<String> {
 
 /// What is wrong with a part of a program.
 pub(in crate::read) fn refuse(span: Range<usize>, message: impl Into<String>) -> Complaint {
-    Complaint::new(span, refused::of_program(message.into()))
+    Complaint::new(span, refusals::of_program(message.into()))
 }
 
 /// What a program does, block by block.

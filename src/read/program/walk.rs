@@ -4,7 +4,7 @@
 use crate::quantity::{Axis, Diagonal, Direction, Figure, LaserPath, Pass, PerAxis};
 use crate::read::lexer::{Complaint, located};
 use crate::read::program::blocks::{Action, Cancelled, Step};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Problem, Problems};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -81,7 +81,7 @@ struct Walker<'a> {
 
 impl Walker<'_> {
     fn find(&mut self, message: impl Into<String>) {
-        self.found.push(Complaint::new(self.at.clone(), refused::otherwise(message.into())));
+        self.found.push(Complaint::new(self.at.clone(), refusals::otherwise(message.into())));
     }
 
     fn step(&mut self, action: &Action) {

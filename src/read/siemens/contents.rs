@@ -7,7 +7,7 @@ use crate::control::table::siemens::{
     MachineDatum, MachineValue, Place, SiemensTable, SiemensTables,
 };
 use crate::read::lexer::{Complaint, Cursor, lines};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{Finding, Problems, nearest};
 use Allowed::{Any, AxisName, Number, Truth, Whole};
 use Index::{Axis, Encoder, Point, Table};
@@ -64,7 +64,7 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
             match all.tables.set(datum).is_some_and(|old| old != value) {
                 false => {}
                 true if is_switch(&variable) => _ = all.twice.insert(variable),
-                true => problems.push(refused::contradiction(variable)),
+                true => problems.push(refusals::contradiction(variable)),
             }
         }
         all.tables.reserved.extend(file.tables.reserved);
@@ -90,13 +90,13 @@ fn merge_table(known: &mut SiemensTable, table: &mut SiemensTable, problems: &mu
             && (a - b).abs() > 0.0
         {
             let what = format!("point {point} of ${place} ({a} and {b})");
-            problems.push(refused::contradiction(what));
+            problems.push(refusals::contradiction(what));
         }
         *known = known.or(*value);
         *value = *known;
     }
     if known != table {
-        problems.push(refused::contradiction(format!("the parameters of ${place}")));
+        problems.push(refusals::contradiction(format!("the parameters of ${place}")));
     }
 }
 
@@ -210,7 +210,7 @@ pub(super) fn variable(set: &Assignment<'_>) -> Result<Variable, Complaint> {
         Axis => "AX1",
     };
     let example: Vec<&str> = indices.iter().map(example).collect();
-    let wrong = refused::no_index(set.indices.join(","), name, example.join(","));
+    let wrong = refusals::no_index(set.indices.join(","), name, example.join(","));
     Err(Complaint::new(set.head.clone(), wrong))
 }
 
@@ -256,7 +256,7 @@ impl Variable {
             AxisName => (matches!(value, Value::Name(_)), "an axis name such as `(AX1)`"),
         };
         if !takes_it {
-            let wrong = refused::not_this_value(self.name, words);
+            let wrong = refusals::not_this_value(self.name, words);
             return Err(Complaint::new(set.value_span.clone(), wrong));
         }
         Ok(match value {
@@ -273,7 +273,7 @@ fn unknown(set: &Assignment<'_>) -> Complaint {
         Some(known) => format!("did you mean `${known}`?"),
         None => "only variables of ENC_COMP and CEC and their machine data are read".to_string(),
     };
-    Complaint::new(set.head.clone(), refused::unknown_variable(&set.name, help))
+    Complaint::new(set.head.clone(), refusals::unknown_variable(&set.name, help))
 }
 
 // What a control wrote of itself: what the lines of its files say of the compensation.

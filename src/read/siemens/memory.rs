@@ -11,7 +11,7 @@ use crate::control::table::siemens::{
 };
 use crate::quantity::Direction;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS};
-use crate::read::refused;
+use crate::read::refusals;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -148,7 +148,7 @@ impl Memory {
         draft.protected = switched.and_then(|on| on.value.number()).is_some_and(|on| on > 0.0);
         // Alarm 17070 (808D Function Manual 01/2017 p. 109). Told once for each table.
         match draft.protected {
-            true => Err(Complaint::new(set.head.clone(), refused::protected(switch))),
+            true => Err(Complaint::new(set.head.clone(), refusals::protected(switch))),
             false => Ok(()),
         }
     }
@@ -192,7 +192,8 @@ impl Memory {
         let points: f64 = self.tables.values().filter_map(steps).sum();
         let head = self.tables.values().next()?.head.clone();
         let is_too_many = points > MOST_STATEMENTS as f64;
-        is_too_many.then(|| Complaint::new(head, refused::points_together(points, MOST_STATEMENTS)))
+        is_too_many
+            .then(|| Complaint::new(head, refusals::points_together(points, MOST_STATEMENTS)))
     }
 }
 
@@ -285,7 +286,7 @@ impl Draft {
     /// Complains of parameters that no line writes; where a line could not be read, it may be that one.
     fn missing(&mut self, name: &str, parameters: &[&'static str]) {
         for field in parameters.iter().filter(|field| !self.cells.contains_key(&(**field, 0))) {
-            let missing = refused::parameter_missing(&field[1..], name);
+            let missing = refusals::parameter_missing(&field[1..], name);
             self.complaints.push(Complaint::new(self.head.clone(), missing));
         }
     }
@@ -302,7 +303,7 @@ impl Draft {
         let last = last.map_err(|complaint| self.complaints.push(complaint)).ok()?;
         let behind = self.points(last + 1).filter(|_| self.writer == Writer::Kit);
         let behind = behind.map(|(point, placed)| {
-            Complaint::new(placed.span.clone(), refused::point_behind(name, point, last))
+            Complaint::new(placed.span.clone(), refusals::point_behind(name, point, last))
         });
         let behind: Vec<Complaint> = behind.collect();
         self.complaints.extend(behind);
@@ -321,20 +322,20 @@ impl Draft {
         let SiemensGrid { min, step, max } = grid;
         let steps = grid.steps();
         if step <= 0.0 {
-            return wrong("_STEP", refused::no_step(name, step));
+            return wrong("_STEP", refusals::no_step(name, step));
         }
         if max <= min {
-            return wrong("_MAX", refused::max_not_above(name, max, min));
+            return wrong("_MAX", refusals::max_not_above(name, max, min));
         }
         if steps >= MOST_POINTS {
-            return wrong("_STEP", refused::many_points(name, steps));
+            return wrong("_STEP", refusals::many_points(name, steps));
         }
         let last = grid.last_whole_point();
         if last >= 1 && grid.is_whole() {
             return Ok(last);
         }
         if last < 1 || self.writer == Writer::Kit {
-            return wrong("_STEP", refused::no_whole_steps(name, steps));
+            return wrong("_STEP", refusals::no_whole_steps(name, steps));
         }
         Ok(last + u32::from(self.cells.contains_key(&("", last + 1))))
     }

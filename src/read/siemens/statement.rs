@@ -10,7 +10,7 @@
 //! program does not know could move the machine.
 
 use crate::read::lexer::{Complaint, Cursor};
-use crate::read::refused;
+use crate::read::refusals;
 use crate::text::{is_unseen, nearest};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -102,7 +102,7 @@ pub(super) fn statement(source: &str, code: Range<usize>) -> Result<Statement<'_
     if unreadable || cursor.peek_word().is_none() {
         return Ok(found);
     }
-    Err(Complaint::new(cursor.rest(), refused::rest(cursor.text(cursor.rest()))))
+    Err(Complaint::new(cursor.rest(), refusals::rest(cursor.text(cursor.rest()))))
 }
 
 /// Refuses characters that a control does not read, and in `seen` those that nobody sees.
@@ -124,10 +124,10 @@ pub(super) fn check_characters(
         if is_unseen(c) && c != '\t' {
             let kind = if c.is_control() { "control " } else { "" };
             let code = format!("{:04X}", u32::from(c));
-            return Err(Complaint::new(span, refused::unseen(kind, code)));
+            return Err(Complaint::new(span, refusals::unseen(kind, code)));
         }
         if !c.is_ascii() && at < code.end {
-            return Err(Complaint::new(span, refused::not_ascii_in_code(c)));
+            return Err(Complaint::new(span, refusals::not_ascii_in_code(c)));
         }
     }
     Ok(())
@@ -139,7 +139,7 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     const LONGEST_NAME: usize = 24;
     let span = cursor.rest();
     if span.start != 0 {
-        return Err(Complaint::new(span, refused::header_elsewhere()));
+        return Err(Complaint::new(span, refusals::header_elsewhere()));
     }
     let text = cursor.text(span.clone()).to_ascii_uppercase();
     let well_formed = text.strip_prefix("%_N_").and_then(|name| name.rsplit_once('_')).is_some_and(
@@ -152,7 +152,7 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
     if well_formed {
         return Ok(Statement::Nothing);
     }
-    Err(Complaint::new(span, refused::other_header(text)))
+    Err(Complaint::new(span, refusals::other_header(text)))
 }
 
 fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
@@ -168,9 +168,9 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
         _ => {}
     }
     let near = nearest(&word, WORDS).map(|known| format!("did you mean `{known}`?"));
-    let help = near.unwrap_or_else(|| refused::ONLY_DATA.to_string());
+    let help = near.unwrap_or_else(|| refusals::ONLY_DATA.to_string());
     let found = cursor.text(line.clone());
-    Err(Complaint::new(line, refused::other_word(found, help)))
+    Err(Complaint::new(line, refusals::other_word(found, help)))
 }
 
 /// The data that follow belong to a channel. Tables are those of the machine, but names of axes may be
@@ -185,9 +185,9 @@ fn channel_data<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint>
     Err(match number.trim_start_matches('0') {
         "1" if opened && closed => return Ok(Statement::Nothing),
         other if opened && closed => {
-            Complaint::new(start..cursor.at, refused::other_channel(other))
+            Complaint::new(start..cursor.at, refusals::other_channel(other))
         }
-        _ => Complaint::new(cursor.here(), refused::no_channel()),
+        _ => Complaint::new(cursor.here(), refusals::no_channel()),
     })
 }
 
@@ -201,7 +201,7 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     };
     let head = start..cursor.at;
     if cursor.eat("=").is_none() {
-        return Err(Complaint::new(cursor.here(), refused::no_sign(cursor.text(head))));
+        return Err(Complaint::new(cursor.here(), refusals::no_sign(cursor.text(head))));
     }
     cursor.peek_word();
     let value_span = cursor.rest();
@@ -214,7 +214,7 @@ const USUAL_INDICES: usize = 3;
 
 fn indices<'a>(cursor: &mut Cursor<'a>, name: &str) -> Result<Vec<Cow<'a, str>>, Complaint> {
     let wrong = |cursor: &Cursor<'_>, expected: &str| {
-        Complaint::new(cursor.here(), refused::in_index(expected, name))
+        Complaint::new(cursor.here(), refusals::in_index(expected, name))
     };
     let mut indices = Vec::with_capacity(USUAL_INDICES);
     loop {
@@ -236,7 +236,7 @@ fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
     let span = cursor.rest();
     let text = cursor.text(span.clone());
     let refuse =
-        |wrong: &str, help| Err(Complaint::new(span.clone(), refused::value(text, wrong, help)));
+        |wrong: &str, help| Err(Complaint::new(span.clone(), refusals::value(text, wrong, help)));
     match cursor.peek() {
         Some(open @ ('(' | '"')) => {
             cursor.at += 1;
@@ -258,7 +258,7 @@ fn value(cursor: &mut Cursor<'_>) -> Result<Value, Complaint> {
             ),
         },
         Some(_) => number(cursor).or_else(|(message, help)| refuse(message, help)),
-        None => Err(Complaint::new(cursor.here(), refused::no_value())),
+        None => Err(Complaint::new(cursor.here(), refusals::no_value())),
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::Section;
 use crate::quantity::{Axis, Direction, Millimetres, PerAxis};
-use crate::text::{is_unseen, refused, shown};
+use crate::text::{is_unseen, refusals, shown};
 use std::ops::RangeInclusive;
 
 /// What a place may pass the travel by: the last digit of a coordinate, mm.
@@ -68,21 +68,21 @@ impl Section<'_> {
     pub(crate) fn require(&self, key: &'static str, expected: &str) {
         if !self.has(key) && !self.is_absent() {
             let place = format!("`{key}` is missing{}", self.within());
-            self.refuse(key, refused::missing(place, expected, key));
+            self.refuse(key, refusals::missing(place, expected, key));
         }
     }
 
     /// Notes a key that has an effect only with something else, which is not so.
     pub(crate) fn only_with(&self, key: &'static str, is_so: bool, with: &str) {
         if self.has(key) && !is_so {
-            self.refuse(key, refused::only_with(self.path_of(key), with));
+            self.refuse(key, refusals::only_with(self.path_of(key), with));
         }
     }
 
     /// Notes two keys of which one is enough.
     pub(crate) fn not_both(&self, key: &'static str, other: &'static str, help: &str) {
         if self.has(key) && self.has(other) {
-            self.refuse(key, refused::not_both(key, other, help));
+            self.refuse(key, refusals::not_both(key, other, help));
         }
     }
 
@@ -122,7 +122,7 @@ impl Section<'_> {
             return Some(value);
         }
         let (path, written) = (self.path_of(key), self.written(key));
-        self.refuse(key, refused::other_value(path, written, expected(), help));
+        self.refuse(key, refusals::other_value(path, written, expected(), help));
         None
     }
 
@@ -140,7 +140,7 @@ impl Section<'_> {
         if low < high {
             return Some((Millimetres::new(low), Millimetres::new(high)));
         }
-        self.refuse(key, refused::backwards(self.path_of(key), low, high));
+        self.refuse(key, refusals::backwards(self.path_of(key), low, high));
         None
     }
 
@@ -155,7 +155,7 @@ impl Section<'_> {
         let (low, high) = (low.mm(), high.mm());
         if at.mm() < low - TRAVEL_TOLERANCE_MM || at.mm() > high + TRAVEL_TOLERANCE_MM {
             let (path, at) = (self.path_of(key), at.shown());
-            self.refuse(key, refused::outside(path, axis, at, range, low, high));
+            self.refuse(key, refusals::outside(path, axis, at, range, low, high));
         }
     }
 
@@ -187,7 +187,7 @@ impl Section<'_> {
     pub(crate) fn plain_text(&self, key: &'static str) -> Option<String> {
         let text = self.text(key)?;
         if text.contains(is_unseen) {
-            self.refuse(key, refused::unseen(self.path_of(key)));
+            self.refuse(key, refusals::unseen(self.path_of(key)));
         }
         Some(text)
     }
@@ -202,7 +202,7 @@ impl Section<'_> {
         let text = self.text(key)?;
         let value = read(&text);
         if value.is_none() {
-            self.refuse(key, refused::other_value(key, shown(&text), expected, help));
+            self.refuse(key, refusals::other_value(key, shown(&text), expected, help));
         }
         value
     }

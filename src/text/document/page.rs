@@ -2,7 +2,7 @@
 
 use super::section::{Noted, Section, spots};
 use crate::text::{
-    LARGEST_PAGE, Place, Problem, Problems, Source, refuse_large_page, refused, shown,
+    LARGEST_PAGE, Place, Problem, Problems, Source, refusals, refuse_large_page, shown,
 };
 use std::ops::Range;
 use toml::de::DeTable;
@@ -97,15 +97,15 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
-                let problem = refused::comma_in_number(with_a_point(&source.text, comma));
+                let problem = refusals::comma_in_number(with_a_point(&source.text, comma));
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
             continue;
         }
         let mut problem = match (message, span.clone().and_then(|span| source.text.get(span))) {
-            ("duplicate key", Some(key)) => refused::key_twice(shown(key)),
-            _ if in_escape(&source.text, start) => refused::escape(),
-            _ => refused::not_toml(message),
+            ("duplicate key", Some(key)) => refusals::key_twice(shown(key)),
+            _ if in_escape(&source.text, start) => refusals::escape(),
+            _ => refusals::not_toml(message),
         };
         problem.place = span.map(|span| source.place(&span));
         problems.push(problem);

@@ -1,6 +1,6 @@
 //! One section of a page, read key by key.
 
-use crate::text::{Notes, Problem, Problems, did_you_mean, nearest, once, refused, shown};
+use crate::text::{Notes, Problem, Problems, did_you_mean, nearest, once, refusals, shown};
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source};
 use std::cell::RefCell;
@@ -81,7 +81,7 @@ impl<'a> Section<'a> {
     }
 
     fn unexpected(&self, key: &str, found: &str, expected: &str) {
-        self.refuse(key, refused::unexpected(self.path_of(key), found, expected, key));
+        self.refuse(key, refusals::unexpected(self.path_of(key), found, expected, key));
     }
 
     /// Whether the key is present (it then counts as known).
@@ -105,7 +105,7 @@ impl<'a> Section<'a> {
             let name = self.path_of(key);
             let end = self.source.text.trim_end().len();
             let span = if self.path.is_empty() { end..end } else { self.span.clone() };
-            self.note(|| refused::no_section(name).at(self.source.place(&span)));
+            self.note(|| refusals::no_section(name).at(self.source.place(&span)));
         }
         self.section(key)
     }
@@ -201,7 +201,7 @@ impl<'a> Section<'a> {
     /// What was read, unless it is too large.
     fn sized<T>(&self, key: &str, value: T, fits: bool) -> Option<T> {
         if !fits {
-            self.refuse(key, refused::too_large(self.path_of(key), self.written(key)));
+            self.refuse(key, refusals::too_large(self.path_of(key), self.written(key)));
         }
         fits.then_some(value)
     }
@@ -238,7 +238,7 @@ impl<'a> Section<'a> {
             let known: Vec<&str> = words.iter().map(|(known, _)| known.as_ref()).collect();
             let help = did_you_mean(&word, known.iter().copied(), "choose one of them");
             let (path, list) = (self.path_of(key), quoted(&known));
-            self.refuse(key, refused::other_word(path, shown(&word), list, help));
+            self.refuse(key, refusals::other_word(path, shown(&word), list, help));
         }
         found.map(|(_, value)| *value)
     }
@@ -332,7 +332,7 @@ impl<'a> Section<'a> {
                 format!("did you mean `{near}`?{}", if is_other { units } else { "" })
             }
         };
-        refused::unknown_key(shown(name), self.within(), help).at(self.source.place(&span))
+        refusals::unknown_key(shown(name), self.within(), help).at(self.source.place(&span))
     }
 }
 

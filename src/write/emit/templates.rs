@@ -2,7 +2,7 @@
 
 use crate::control::controller::Template;
 use crate::text::{LARGEST_FILE_MIB, Place, Problem};
-use crate::write::refused;
+use crate::write::refusals;
 use regex_automata::meta::Regex;
 use std::borrow::Cow;
 use std::collections::btree_map::Entry;
@@ -57,7 +57,7 @@ fn parsed(template: &Template) -> Result<Arc<Parsed>, Problem> {
 
 /// A page of what a document holds.
 pub(crate) fn page(template: &Template, document: &serde_json::Value) -> Result<String, Problem> {
-    text(template, &tera::Context::from_serialize(document).map_err(refused::no_context)?)
+    text(template, &tera::Context::from_serialize(document).map_err(refusals::no_context)?)
 }
 
 /// One file as text with `\n` line ends.
@@ -69,15 +69,15 @@ pub(in crate::write) fn text(
     let parsed = parsed(template)?;
     let is_own = matches!(source, Cow::Owned(_)); // those of the program are known
     if is_own && parsed.layout.work(context) > MOST_TAGS {
-        return Err(refused::much_work(name, MOST_TAGS));
+        return Err(refusals::much_work(name, MOST_TAGS));
     }
     let mut text = Bounded::default();
     let rendered = parsed.alone.render_to(&parsed.name, context, &mut text);
     if text.is_full {
-        return Err(refused::much_text(name, LARGEST_FILE_MIB));
+        return Err(refusals::much_text(name, LARGEST_FILE_MIB));
     }
     rendered.map_err(|error| template_problem(name, source, &error))?;
-    String::from_utf8(text.bytes).map_err(|_| refused::no_text(name))
+    String::from_utf8(text.bytes).map_err(|_| refusals::no_text(name))
 }
 
 /// A text that does not grow beyond the limit of a file.
@@ -104,7 +104,7 @@ impl Write for Bounded {
 
 /// A problem of a template that says more than a layout.
 fn no_layout(name: &str, template: &str, (span, message): Wrong) -> Problem {
-    refused::no_layout(name, message).at(Place::in_text(name, template, span.start, span.end))
+    refusals::no_layout(name, message).at(Place::in_text(name, template, span.start, span.end))
 }
 
 /// A problem of a template at its place in the template.
@@ -125,7 +125,7 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
         }
         _ => (error.to_string(), None),
     };
-    let mut problem = refused::not_rendered(name, message);
+    let mut problem = refusals::not_rendered(name, message);
     problem.place = place;
     problem
 }

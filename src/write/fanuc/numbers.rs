@@ -4,7 +4,7 @@ use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::quantity::Axis;
 use crate::text::{Problem, Problems, joined};
 use crate::write::grid::Grid;
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::{Plan, Task, axis_key};
 
 /// The pitch points of one physical axis.
@@ -112,7 +112,7 @@ pub(super) fn runs(
             Some(first) => run.first = first,
             None => {
                 let last = first.saturating_add(run.count - 1);
-                let wrong = refused::points_taken(first, last, run.axis, blocks_text(blocks));
+                let wrong = refusals::points_taken(first, last, run.axis, blocks_text(blocks));
                 problems.push(task.job.source.at(&axis_key(run.axis, ".first_point"), wrong));
             }
         }
@@ -133,7 +133,7 @@ pub(super) fn runs(
 }
 
 fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> Problem {
-    let wrong = refused::no_room(run.count, run.axis, run.id, blocks_text(blocks));
+    let wrong = refusals::no_room(run.count, run.axis, run.id, blocks_text(blocks));
     task.job.source.at(&axis_key(run.axis, ""), wrong)
 }
 

@@ -19,7 +19,7 @@ use crate::write::fanuc::four_point::best_fit;
 use crate::write::fanuc::numbers::{Run, Space, is_four_point};
 use crate::write::findings::TableFinding;
 use crate::write::grid::{Grid, as_number, whole};
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// What is written so far, and what it is made from.
@@ -71,7 +71,7 @@ impl<'a> Writer<'a> {
             (self.facts.increment_max.value, self.facts.magnification_max.value);
         let most = f64::from(increment) * f64::from(magnification) * unit_um;
         let (term, change) = (planned.term, steepest(planned));
-        let wrong = refused::steep(term, change, increment, magnification, unit_um, most);
+        let wrong = refusals::steep(term, change, increment, magnification, unit_um, most);
         self.refuse(&axis_key(term.along, ""), wrong);
     }
 
@@ -93,7 +93,7 @@ impl<'a> Writer<'a> {
             return;
         };
         if reversal.abs() > LARGEST_REVERSAL {
-            let wrong = refused::large_reversal(run.axis, reversal, unit_um, LARGEST_REVERSAL);
+            let wrong = refusals::large_reversal(run.axis, reversal, unit_um, LARGEST_REVERSAL);
             return self.refuse(&axis_key(run.axis, ".detection_unit_um"), wrong);
         }
         self.pitch_parameters(run, magnification);
@@ -182,7 +182,7 @@ impl<'a> Writer<'a> {
             return self.refuse_steep(set.planned, set.unit_um);
         };
         let Some(first) = self.block(set) else {
-            let wrong = refused::no_room_for_data(set.run.count, set.planned.term);
+            let wrong = refusals::no_room_for_data(set.run.count, set.planned.term);
             return self.refuse("compensation", wrong);
         };
         let of_set = |first: u32| first + set.number - 1;
@@ -217,7 +217,7 @@ impl<'a> Writer<'a> {
         let grid = &set.run.grid;
         let most = self.facts.straightness_amount_max.value;
         let Some(fit) = best_fit(&units, grid.reference_node(), most) else {
-            return self.refuse("limits", refused::large_amount(set.planned.term, most));
+            return self.refuse("limits", refusals::large_amount(set.planned.term, most));
         };
         let group = 10 * (set.number - 1);
         for (index, (node, amount)) in (0..).zip(fit.nodes.iter().zip(fit.amounts)) {

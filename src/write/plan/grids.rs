@@ -9,7 +9,7 @@ use crate::text::{Finding, Problem, Problems};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::grid::{self, EDGE_MM, Grid, LengthDigit};
-use crate::write::refused;
+use crate::write::refusals;
 use crate::write::task::{Target, Task, axis_key};
 
 pub(super) fn grids(
@@ -50,7 +50,7 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
             problems.push(task.job.source.at(&path, without_unit(&path, &task.profile.name)));
         }
         if corrected && task.job.machine.axes[axis].is_none() {
-            let wrong = refused::corrected_axis_missing(axis, axis.key());
+            let wrong = refusals::corrected_axis_missing(axis, axis.key());
             problems.push(task.job.source.at("machine.axes", wrong));
         }
     }
@@ -91,7 +91,7 @@ impl Moving<'_> {
                 grid::with_spacing(task.job, *axis, *machine, settings, digit, spacing)
             }
             (_, Some((key, _))) => {
-                Err(self.at(&format!(".{key}"), refused::needs_spacing(key)).into())
+                Err(self.at(&format!(".{key}"), refusals::needs_spacing(key)).into())
             }
             (GridRequest::Points(points), None) => grid::with_points(*machine, digit, points)
                 .map_err(|mut problem| {
@@ -122,14 +122,14 @@ impl Moving<'_> {
                 break;
             }
         }
-        let wrong = refused::no_grid(most, limit_um, self.axis, least);
+        let wrong = refusals::no_grid(most, limit_um, self.axis, least);
         Err(self.at(".max_residual_um", wrong).into())
     }
 
     fn too_fine(&self, grid: &Grid) -> Option<Problem> {
         let (feed, profile) = (self.machine.max_feed?, self.task.profile);
         let (least, spacing) = (family(profile).least_spacing_mm(feed), grid.spacing().mm());
-        let wrong = || refused::small_spacing(spacing, least, &profile.name, feed);
+        let wrong = || refusals::small_spacing(spacing, least, &profile.name, feed);
         (spacing < least).then(|| self.at("", wrong()))
     }
 
@@ -147,8 +147,8 @@ impl Moving<'_> {
         Some(self.at(
             "",
             match spacing {
-                Some(mm) => refused::beyond_with_spacing(axis, name, Figure(mm).trimmed(6)),
-                None => refused::beyond(axis, name),
+                Some(mm) => refusals::beyond_with_spacing(axis, name, Figure(mm).trimmed(6)),
+                None => refusals::beyond(axis, name),
             },
         ))
     }
@@ -159,7 +159,7 @@ impl Moving<'_> {
         let beyond = first.mm() < low.mm() - EDGE_MM || last.mm() > high.mm() + EDGE_MM;
         let [first, last, low, high] = [first, last, low, high].map(Millimetres::mm);
         (beyond && self.settings.outside == OutsideMeasured::Refuse)
-            .then(|| self.at(".outside", refused::not_measured(self.axis, first, last, low, high)))
+            .then(|| self.at(".outside", refusals::not_measured(self.axis, first, last, low, high)))
     }
 
     fn written_spacing(&self, grid: &Grid) -> Option<TableFinding> {

@@ -8,7 +8,7 @@ use crate::write::findings::RunFinding;
 use crate::write::program::RunTask;
 use crate::write::program::route::{moving, readings_of, refuse_between_digits};
 use crate::write::program::run::{MOST_READINGS, overrun_mm};
-use crate::write::refused;
+use crate::write::refusals;
 
 /// What a run is refused for, in the order in which it is told.
 pub(super) const REFUSALS: [fn(RunTask<'_>, &mut Problems); 8] = [
@@ -25,7 +25,7 @@ pub(super) const REFUSALS: [fn(RunTask<'_>, &mut Problems); 8] = [
 fn refuse_too_many_readings(task: RunTask<'_>, problems: &mut Problems) {
     let readings = readings_of(task.request);
     if readings > MOST_READINGS {
-        let wrong = refused::many_readings(readings, MOST_READINGS);
+        let wrong = refusals::many_readings(readings, MOST_READINGS);
         problems.push(task.job.source.at("program", wrong));
     }
 }
@@ -36,7 +36,7 @@ fn refuse_feed(task: RunTask<'_>, problems: &mut Problems) {
     for axis in moving(task.request) {
         let largest = task.job.machine.axes[axis].and_then(|axis| axis.max_feed);
         if let Some(largest) = largest.filter(|largest| feed > *largest) {
-            let wrong = refused::large_feed(feed, axis, largest);
+            let wrong = refusals::large_feed(feed, axis, largest);
             problems.push(task.job.source.at("program.feed_mm_per_min", wrong));
         }
     }
@@ -51,7 +51,7 @@ fn refuse_shift(task: RunTask<'_>, problems: &mut Problems) {
         let step = task.request.volume.step_mm(axis);
         let shift = shift.map_or(step / 4.0, |shift| shift.mm());
         if shift >= step / 2.0 {
-            let wrong = refused::large_shift(step, axis, shift);
+            let wrong = refusals::large_shift(step, axis, shift);
             problems.push(task.job.source.at("program.shift_mm", wrong));
         }
     }
@@ -127,14 +127,14 @@ fn refuse_other_turn(task: RunTask<'_>, problems: &mut Problems) {
             "an `overrun_mm` above 0 in [program]",
         )
     };
-    let wrong = refused::other_turn(stated, does, over, other);
+    let wrong = refusals::other_turn(stated, does, over, other);
     problems.push(task.job.source.at("measurement.step_diagonal.overrun", wrong));
 }
 
 /// Not every language has numbers of programs.
 fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
     if task.request.number.is_some() && task.facts.language.facts().numbered.is_none() {
-        problems.push(task.job.source.at("program.number", refused::no_number(&task.profile.id)));
+        problems.push(task.job.source.at("program.number", refusals::no_number(&task.profile.id)));
     }
 }
 
@@ -153,7 +153,7 @@ fn unchecked(task: RunTask<'_>) -> Option<RunFinding> {
 fn refuse_outside_travel(task: RunTask<'_>, problems: &mut Problems) {
     let RunTask { job, request, .. } = task;
     for axis in Axis::ALL.into_iter().filter(|axis| job.machine.axes[*axis].is_none()) {
-        problems.push(job.source.at("machine.axes", refused::no_travel(axis, axis.key())));
+        problems.push(job.source.at("machine.axes", refusals::no_travel(axis, axis.key())));
     }
     let axes = moving(request).into_iter();
     let outside: Vec<String> = axes.filter_map(|axis| outside_travel(task, axis)).collect();
@@ -161,7 +161,7 @@ fn refuse_outside_travel(task: RunTask<'_>, problems: &mut Problems) {
         return;
     }
     let (preload, overrun) = (request.preload.mm(), overrun_mm(request));
-    let wrong = refused::leaves(preload, overrun, outside.join(", "), largest_box(task));
+    let wrong = refusals::leaves(preload, overrun, outside.join(", "), largest_box(task));
     problems.push(job.source.at(request.size_path, wrong));
 }
 
@@ -242,7 +242,7 @@ fn refuse_rest_outside(task: RunTask<'_>, problems: &mut Problems) {
         let place = request.rest_of(axis);
         if rests && (place < travel.low || place > travel.high) {
             let (at, low, high) = (plain(place.mm()), travel.low.mm(), travel.high.mm());
-            problems.push(job.source.at("program.rest_mm", refused::rests(axis, at, low, high)));
+            problems.push(job.source.at("program.rest_mm", refusals::rests(axis, at, low, high)));
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis
 use crate::text::Problems;
 use crate::write::grid::{LengthDigit, whole};
 use crate::write::program::{Digits, Move, PlannedReading, RunTask, SetUpProgram};
-use crate::write::refused;
+use crate::write::refusals;
 
 /// The nodes of a set-up along the forward path.
 struct Route {
@@ -221,7 +221,7 @@ pub(super) fn refuse_between_digits(task: RunTask<'_>, problems: &mut Problems) 
         if resolution.digits(mm).is_none() {
             let [start, nearest] =
                 [mm, resolution.mm(resolution.nearest(mm))].map(|mm| Figure(mm).trimmed(6));
-            let wrong = refused::start_between(axis, start, resolution.words(), nearest);
+            let wrong = refusals::start_between(axis, start, resolution.words(), nearest);
             problems.push(task.job.source.at(&format!("{path}.{}", axis.key()), wrong));
         }
     }
@@ -243,7 +243,7 @@ fn refuse_step(task: RunTask<'_>, axis: Axis, problems: &mut Problems) {
     let mm = |digits| Figure(resolution.mm(digits)).trimmed(6);
     let nearest = mm(below * i64::try_from(steps).unwrap_or(1));
     let (size, digit, below) = (Figure(size).trimmed(6), resolution.words(), mm(below));
-    let wrong = refused::step_between(size, axis, steps, step, digit, nearest, below);
+    let wrong = refusals::step_between(size, axis, steps, step, digit, nearest, below);
     let key = format!("{}.{}", request.size_path, axis.key());
     problems.push(task.job.source.at(&key, wrong));
 }

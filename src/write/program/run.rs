@@ -7,7 +7,7 @@ use crate::quantity::{Axis, Diagonal, Figure, LaserPath, Pass, PathKind, PerAxis
 use crate::text::{Finding, Problem, joined};
 use crate::write::control_text::with_point;
 use crate::write::grid::{LengthDigit, as_number, whole};
-use crate::write::refused;
+use crate::write::refusals;
 
 /// A length as a number of the control's last digits.
 pub type Digits = i64;
@@ -150,14 +150,14 @@ impl<'a> RunTask<'a> {
 }
 
 fn no_section(job: &Job) -> Problem {
-    job.source.at("program", refused::no_run())
+    job.source.at("program", refusals::no_run())
 }
 
 fn no_language(job: &Job, profile: &Profile) -> Problem {
     let known = builtin::ids()
         .into_iter()
         .filter(|id| builtin::profile(id).is_ok_and(|profile| profile.program.is_some()));
-    job.source.at("compensation.controller", refused::no_language(&profile.id, joined(known)))
+    job.source.at("compensation.controller", refusals::no_language(&profile.id, joined(known)))
 }
 
 impl MeasuringRun {
