@@ -10,7 +10,7 @@ use crate::judge::field::Field;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::refusals;
 use crate::kit::visit_plan::Judged;
-use crate::machine::model::{ErrorModel, MeasuredTerm};
+use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
@@ -131,11 +131,7 @@ impl Inputs {
     /// The same inputs, measured while these tables were active: new = old + residual.
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (mut model, old, notes) =
-            active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
-        // Where the directions of the old tables are carried over, what was measured counts in both.
-        for (term, _) in model.measured().filter(|(_, sum)| sum.measured.has_both_ways()) {
-            self.model.terms[term].iter_mut().for_each(MeasuredTerm::count_both_ways);
-        }
+            active::uncompensated(&self.job, &self.profile, &mut self.model, &active)?;
         // What the old tables correct is known; a residual may well be level.
         let open = model.level();
         self.model.lacks_squareness(open.clone());

@@ -31,7 +31,8 @@ const NOTHING_UM: f64 = 1e-6;
 /// A table may be off zero at the reference by less than what is shown, µm.
 const ZERO_UM: f64 = 1e-3;
 
-/// The model of the machine without compensation, what the old tables added, and what the user should know of it.
+/// The model of the machine without compensation, what the old tables added, and what the user should know of it. A term that
+/// was measured in one direction counts in both where the old tables tell them apart.
 ///
 /// unit   as the measured model: µm, zero at the reference
 /// limits refused where the old tables correct what was not measured or is not asked for, are not
@@ -40,7 +41,7 @@ const ZERO_UM: f64 = 1e-3;
 pub(crate) fn uncompensated(
     job: &Job,
     profile: &Profile,
-    measured: &ErrorModel,
+    measured: &mut ErrorModel,
     active: &ActiveControl,
 ) -> Result<(ErrorModel, Field, Vec<InSum>), Problems> {
     let names = axis_names(job, profile)?;
@@ -52,7 +53,7 @@ pub(crate) fn uncompensated(
     if let Some(active) = angles_active(job, &names, control.as_ref()) {
         problems.push(active);
     }
-    let mut sum = Sum { job, model: measured.clone(), notes: Vec::new() };
+    let mut sum = Sum { job, model: measured.clone(), measured, notes: Vec::new() };
     let (mut acts, mut added) = (false, Field::default());
     for term in ErrorTerm::ALL {
         let pairs = axis_pairs(&names, term);
@@ -186,6 +187,7 @@ fn old_correction(
 /// The model that grows term by term.
 struct Sum<'a> {
     job: &'a Job,
+    measured: &'a mut ErrorModel,
     model: ErrorModel,
     notes: Vec<InSum>,
 }
@@ -221,7 +223,7 @@ impl Sum<'_> {
         let kind = self.job.compensation.curve;
         let nodes = old.nodes();
         let held = |direction| held(old.way(direction), &nodes, zero);
-        let Some(own) = &self.model.terms[term] else {
+        let Some(own) = &mut self.measured.terms[term] else {
             self.notes.push(InSum::Kept { term });
             let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
             self.model.terms[term] = Some(MeasuredTerm::new(one_if_same(plus, minus), Vec::new()));
@@ -246,6 +248,7 @@ impl Sum<'_> {
             Measured::Undirected(curve) => both(curve),
         };
         if measured.has_both_ways() && !own.measured.has_both_ways() {
+            own.count_both_ways();
             self.notes.push(InSum::DirectionsKept { term });
         }
         let places = Some(own.measured.mean().knots().to_vec());
