@@ -19,11 +19,12 @@ pub mod visit_plan;
 
 use crate::control::controller::KitFile;
 use crate::inputs::job::Job;
+pub use crate::judge::active::hashed;
+use crate::judge::active::{HashedFile, Machine, Predecessor, State};
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
-pub use crate::kit::manifest::hashed;
-use crate::kit::manifest::{HashedFile, Machine, Manifest, Predecessor, SCHEMA, State};
+use crate::kit::manifest::{Manifest, SCHEMA};
 pub use crate::read::emulator;
 pub use crate::text::sha256;
 use crate::text::{Finding, Problems};
@@ -108,7 +109,7 @@ fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
         tables: compiled.placements.clone(),
         state: State::of(&compiled.state, |name| named_backlash(inputs, plan, compiled, name)),
         machine: Machine {
-            name: machine.name.clone(),
+            name: Some(machine.name.clone()),
             serial: machine.serial.clone(),
             chain: machine.chain.map(|chain| chain.to_string()),
             measured: measurement.date.clone(),

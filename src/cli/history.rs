@@ -11,7 +11,7 @@ use crate::cli::outcome::{Outcome, Print};
 use crate::cli::refusals;
 use crate::cli::screen::Screen;
 use crate::control::controller::Role;
-use crate::judge::active::faults;
+use crate::judge::active::{KitManifest, Predecessor, faults};
 use crate::judge::findings::FileFault;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::sha256;
@@ -19,7 +19,6 @@ use crate::text::{Finding, Problem, Problems, json_page, shown};
 use crate::visit::files::{Files, previous, printed, with_slashes};
 use clap::Args;
 use serde::Serialize;
-use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -48,14 +47,14 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 struct Link {
     directory: String,
     manifest_sha256: String,
-    tool: Value,
-    controller: Value,
-    machine: Value,
-    measured: Value,
+    tool: Option<String>,
+    controller: Option<String>,
+    machine: Option<String>,
+    measured: Option<String>,
     /// Files that are missing or changed.
     faults: Vec<Finding>,
     #[serde(skip)]
-    predecessor: Value,
+    predecessor: Option<Predecessor>,
 }
 
 /// What scripts read.
@@ -67,7 +66,7 @@ struct Chain {
     end: &'static str,
     #[serde(rename = "break")]
     broken: Option<String>,
-    read_out: Option<Value>,
+    read_out: Option<Predecessor>,
 }
 
 fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
@@ -76,13 +75,12 @@ fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
     let mut chain = Chain { kits: vec![first], end: "first", broken: None, read_out: None };
     loop {
         let link = &chain.kits[chain.kits.len() - 1];
-        let predecessor = &link.predecessor;
-        let path = predecessor["path"].as_str().unwrap_or_default();
-        if predecessor.is_null() {
+        let Some(Predecessor { path, manifest_sha256, .. }) = &link.predecessor else {
             return Ok(chain);
-        }
-        let Some(hash) = predecessor["manifest_sha256"].as_str() else {
-            return Ok(Chain { end: "read-out", read_out: Some(predecessor.clone()), ..chain });
+        };
+        let Some(hash) = manifest_sha256 else {
+            let read_out = link.predecessor.clone();
+            return Ok(Chain { end: "read-out", read_out, ..chain });
         };
         let found = match chain.kits.len() < LONGEST_CHAIN {
             true => find(files, link, path, hash),
@@ -104,7 +102,8 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
             _ => refusals::no_kit(&name, MANIFEST),
         }
     })?;
-    let manifest: Value = json_page(&bytes).map_err(|error| refusals::damaged_kit(&name, error))?;
+    let manifest: KitManifest =
+        json_page(&bytes).map_err(|error| refusals::damaged_kit(&name, error))?;
     let read = |name: &str| {
         let place = directory.join(name);
         match files.bytes(&place) {
@@ -113,19 +112,19 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
             Err(_) => Ok(None),
         }
     };
-    let faults = faults(&manifest, read).into_iter().filter(|fault| {
+    let faults = faults(&manifest.files, read).into_iter().filter(|fault| {
         let written_into = fault.role.is_some_and(Role::is_written_into);
         !written_into || matches!(fault.kind, FileFault::Missing { .. })
     });
     Ok(Link {
         directory: with_slashes(directory),
         manifest_sha256: sha256(&bytes),
-        tool: manifest["tool"].clone(),
-        controller: manifest["controller"].clone(),
-        machine: manifest["machine"]["name"].clone(),
-        measured: manifest["machine"]["measured"].clone(),
+        tool: manifest.tool,
+        controller: manifest.controller,
+        machine: manifest.machine.name,
+        measured: manifest.machine.measured,
         faults: faults.map(|fault| fault.kind.into()).collect(),
-        predecessor: manifest["predecessor"].clone(),
+        predecessor: manifest.predecessor,
     })
 }
 
@@ -155,8 +154,8 @@ fn find(files: &dyn Files, link: &Link, path: &str, hash: &str) -> Result<Link, 
 }
 
 /// A text of a manifest; nobody vouches for it.
-fn word(value: &Value) -> String {
-    shown(value.as_str().unwrap_or("not stated"))
+fn word(text: Option<&String>) -> String {
+    text.map_or_else(|| "not stated".to_string(), |text| shown(text))
 }
 
 fn screen(chain: &Chain) -> Screen {
@@ -166,10 +165,10 @@ fn screen(chain: &Chain) -> Screen {
         lines.push(format!("{age}  {}", printed(Path::new(&link.directory))));
         lines.push(format!(
             "   {}, {}, machine {}, measured {}, manifest {}",
-            word(&link.tool),
-            word(&link.controller),
-            word(&link.machine),
-            word(&link.measured),
+            word(link.tool.as_ref()),
+            word(link.controller.as_ref()),
+            word(link.machine.as_ref()),
+            word(link.measured.as_ref()),
             &link.manifest_sha256[..SHOWN_DIGITS],
         ));
         lines.push(match link.faults.as_slice() {
@@ -184,8 +183,8 @@ fn screen(chain: &Chain) -> Screen {
         (Some(words), _) => format!("the chain BREAKS here: {words}"),
         (None, Some(read_out)) => format!(
             "the chain begins with {} file(s) read out of the control (`{}`); what made them is not known",
-            read_out["files"].as_array().map_or(0, Vec::len),
-            word(&read_out["path"]),
+            read_out.files.len(),
+            shown(&read_out.path),
         ),
         (None, None) => {
             "the chain begins here: no tables of a predecessor are contained".to_string()

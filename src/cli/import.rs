@@ -5,7 +5,7 @@ use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{self, Imported, Kind, List, fill, squareness_lines};
-use crate::kit::manifest::HashedFile;
+use crate::judge::active::HashedFile;
 use crate::quantity::{Diagonal, Direction};
 use crate::text::{Finding, Named, Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};

@@ -7,18 +7,18 @@ use crate::cli::{assess, standards, verify};
 use crate::control::controller::Template;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
+use crate::judge::active::{HashedFile, KitManifest};
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::{MANIFEST, rounded};
 use crate::kit::{self, Inputs, generate};
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
-use crate::text::{Finding, Problem, Problems, joined, template_text};
+use crate::text::{Finding, Problem, Problems, joined, json_page, template_text};
 use crate::visit::files::{Files, Kind, file_name};
 use crate::visit::inputs;
 use crate::visit::job_files::{Given, JobFiles};
 use clap::Args;
 use serde::Serialize;
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -212,8 +212,8 @@ fn of_own_tables<'a>(visit: &mut Visit, inputs: &'a Inputs) -> Result<verify::Pa
     visit.documents["kit"] = rounded(&kit.manifest)?;
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
-    let state = serde_json::to_value(&kit.manifest.state).ok();
-    let verification = kit::verify(inputs, &kit.files, state.as_ref(), Vec::new())?;
+    let state = Some(&kit.manifest.state);
+    let verification = kit::verify(inputs, &kit.files, state, Vec::new())?;
     Ok(verify::Page::of_kit(verification, kit.manifest.what_decides))
 }
 
@@ -229,23 +229,21 @@ fn of_files<'a>(
     let page = verify::Page::read(files, inputs, &options.job, directory, after)?;
     visit.protocol_after = page.protocol_after();
     if let Ok((_, bytes)) = files.argument(&directory.join(MANIFEST)) {
-        let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-        visit.sizes = sizes(files, directory, &manifest);
-        visit.documents["kit"] = manifest;
+        let manifest: KitManifest = json_page(&bytes).unwrap_or_default();
+        visit.sizes = sizes(files, directory, &manifest.files);
+        visit.documents["kit"] = json_page(&bytes).unwrap_or_default();
     }
     Ok(page)
 }
 
-/// Bytes of the files of a manifest. One of others may name any path: only what lies in the directory is looked at.
-fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> BTreeMap<String, usize> {
-    let listed = manifest["files"].as_array().into_iter().flatten();
-    let size = |file: &Value| {
-        let name = file["path"].as_str()?;
+/// Bytes of the files that a manifest lists. One of others may name any path: only what lies in the directory is looked at.
+fn sizes(files: &dyn Files, directory: &Path, listed: &[HashedFile]) -> BTreeMap<String, usize> {
+    let size = |HashedFile { path: name, .. }: &HashedFile| {
         let is_inside = Path::new(name).file_name() == Some(name.as_ref());
         let path = is_inside.then(|| directory.join(name))?;
-        Some((name.to_string(), files.bytes(&path).ok()?.len()))
+        Some((name.clone(), files.bytes(&path).ok()?.len()))
     };
-    listed.filter_map(size).collect()
+    listed.iter().filter_map(size).collect()
 }
 
 fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {

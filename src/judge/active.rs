@@ -19,11 +19,12 @@
 
 mod kit;
 mod machine;
+mod manifest;
 mod reading;
 
 pub use self::kit::{Fault, faults, from_kit};
-pub(crate) use self::kit::{listed, named_axis};
 pub(crate) use self::machine::uncompensated;
+pub use self::manifest::{HashedFile, KitManifest, Machine, Predecessor, State, hashed};
 pub(crate) use self::reading::ReadOutReader;
 pub use self::reading::{ActiveControl, Origin, Others, ReadOutFor, without_tables};
 use self::reading::{at_key, backlash_of, stated};

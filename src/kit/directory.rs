@@ -4,14 +4,14 @@
 use super::simulate::rehearsed;
 use super::{Asked, Inputs, Loaded, Verification, sha256, verify, verify_read_out};
 use crate::control::controller::{KitFile, Profile, Role};
-use crate::judge::active::{ActiveControl, Fault, ReadOutFor, faults, from_read_out, listed};
+use crate::judge::active::{
+    ActiveControl, Fault, HashedFile, KitManifest, ReadOutFor, State, faults, from_read_out,
+};
 use crate::judge::findings::{FileFault, InControl};
 use crate::kit::findings::InDirectory;
-use crate::kit::manifest::HashedFile;
 use crate::kit::refusals;
 use crate::read::{is_whole, may_be_meant_for};
 use crate::text::{Finding, Kind, Problem, Problems, Severity, json_page, of_severity, shown};
-use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -31,8 +31,8 @@ pub struct Directory {
     other_control: Option<Problem>,
     /// Inputs of the job that differ from those the kit was made from.
     other_inputs: Option<Finding>,
-    /// `state` of its manifest: the control outside the files.
-    state: Option<Value>,
+    /// What its manifest says.
+    manifest: Option<KitManifest>,
 }
 
 impl Directory {
@@ -55,11 +55,11 @@ impl Directory {
             found.ensure_holds_no_input(inputs)?;
             return Ok(found);
         };
-        let document: Value = json_page(manifest).map_err(refusals::damaged_manifest)?;
-        found.ignore_unlisted(&document, profile);
-        found.compare_hashes(&document);
+        let document: KitManifest = json_page(manifest).map_err(refusals::damaged_manifest)?;
+        found.ignore_unlisted(&document.files, profile);
+        found.compare_hashes(&document.files);
         found.compare_origin(&document, inputs);
-        found.state = Some(document["state"].clone());
+        found.manifest = Some(document);
         if let Some(file) = found.whole_file(profile).map(shown) {
             found.findings.push(InDirectory::WholeControl { file }.into());
         }
@@ -89,11 +89,16 @@ impl Directory {
         let active = self.read_out(inputs)?;
         let loaded = Asked::of(inputs).and_then(|asked| match active {
             Some(active) => Loaded::read_out(asked, &active),
-            None => Loaded::kit(asked, &self.files, self.state.as_ref()),
+            None => Loaded::kit(asked, &self.files, self.state()),
         });
         let mut loaded = loaded.map_err(|problems| self.instead_of(problems))?;
         self.add_to(&mut loaded);
         Ok(loaded)
+    }
+
+    /// The control outside the files, as the manifest says.
+    fn state(&self) -> Option<&State> {
+        self.manifest.as_ref()?.state.as_ref()
     }
 
     /// Where the files lie, and what the manifest says against them.
@@ -110,7 +115,7 @@ impl Directory {
     pub(crate) fn rehearse<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
         let mut loaded = match self.read_out(inputs)? {
             Some(active) => Loaded::read_out(Asked::of(inputs)?, &active)?,
-            None => rehearsed(inputs, &self.files, self.state.as_ref())
+            None => rehearsed(inputs, &self.files, self.state())
                 .map_err(|problems| self.instead_of(problems))?,
         };
         let own = loaded.findings.clone();
@@ -146,10 +151,9 @@ impl Directory {
     }
 
     fn verify_kit<'a>(&self, inputs: &'a Inputs) -> Result<Verification<'a>, Problems> {
-        let named = self.state.as_ref();
-        let mut verification = verify(inputs, &self.files, named, self.faults())
+        let mut verification = verify(inputs, &self.files, self.state(), self.faults())
             .map_err(|problems| self.instead_of(problems))?;
-        if named.is_none() {
+        if self.manifest.is_none() {
             let called = self.called_as_a_kit(&inputs.profile).map(shown);
             let called = called.map(|file| InDirectory::CalledAsAKit { file });
             let notes = [InDirectory::NoManifest].into_iter().chain(called);
@@ -168,7 +172,7 @@ impl Directory {
     fn read_out(&self, inputs: &Inputs) -> Result<Option<ActiveControl>, Problems> {
         let is_called_as_a_kit = self.called_as_a_kit(&inputs.profile).is_some();
         let whole = self.whole_file(&inputs.profile);
-        if self.state.is_some() || (is_called_as_a_kit && whole.is_none()) {
+        if self.manifest.is_some() || (is_called_as_a_kit && whole.is_none()) {
             return Ok(None);
         }
         let files = self.files.iter().map(|file| (file.path.clone(), file.bytes.clone()));
@@ -201,8 +205,8 @@ impl Directory {
 
     /// A file that the manifest does not list is judged if the profile writes one of that name or the
     /// control could read it, else ignored.
-    fn ignore_unlisted(&mut self, document: &Value, profile: &Profile) {
-        let listed: BTreeSet<&str> = listed(document).map(|(path, _)| path).collect();
+    fn ignore_unlisted(&mut self, listed: &[HashedFile], profile: &Profile) {
+        let listed: BTreeSet<&str> = listed.iter().map(|file| file.path.as_str()).collect();
         for file in std::mem::take(&mut self.files) {
             let path = file.path.as_str();
             if listed.contains(path) {
@@ -219,12 +223,12 @@ impl Directory {
         }
     }
 
-    fn compare_hashes(&mut self, document: &Value) {
+    fn compare_hashes(&mut self, listed: &[HashedFile]) {
         let bytes = |name: &str| {
             let file = self.files.iter().find(|file| file.path == name);
             Ok(file.map(|file| (Some(file.role), Cow::Borrowed(file.bytes.as_slice()))))
         };
-        for Fault { kind, role } in faults(document, bytes) {
+        for Fault { kind, role } in faults(listed, bytes) {
             if role.is_some_and(Role::is_written_into) {
                 self.findings.push(InDirectory::WrittenInto { fault: kind.into() }.into());
                 continue;
@@ -236,18 +240,17 @@ impl Directory {
     }
 
     /// The control and the inputs that a kit was made for, against those of the job.
-    fn compare_origin(&mut self, document: &Value, inputs: &Inputs) {
+    fn compare_origin(&mut self, document: &KitManifest, inputs: &Inputs) {
         let id = &inputs.profile.id;
-        if let Some(other) = document["controller"].as_str().filter(|other| other != id) {
+        if let Some(other) = document.controller.as_ref().filter(|other| *other != id) {
             let found = InDirectory::OtherControl { made_for: shown(other), own: id.clone() };
             self.other_control = Some(refusals::other_control(found.words()));
             self.findings.push(found.into());
         }
-        let Some(known) = document["inputs"].as_array() else {
+        let Some(known) = &document.inputs else {
             return;
         };
-        let other =
-            |input: &&HashedFile| !known.iter().any(|k| k["sha256"] == input.sha256.as_str());
+        let other = |input: &&HashedFile| !known.iter().any(|k| k.sha256 == input.sha256);
         let names = inputs.hashes.iter().filter(other);
         let names: Vec<String> = names.map(|i| format!("`{}`", shown(&i.path))).collect();
         if !names.is_empty() {

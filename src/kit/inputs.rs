@@ -1,9 +1,9 @@
 //! What a kit is made from, and what has to be known about its tables.
 
-use crate::control::controller::{Profile, Role};
+use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{Compensation, Job, UseOf};
-use crate::judge::active::{self, ActiveControl};
+use crate::judge::active::{self, ActiveControl, HashedFile};
 use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
 use crate::judge::field::Field;
@@ -14,30 +14,9 @@ use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::{Finding, Problems, Severity, grouped, joined, sha256};
+use crate::text::{Finding, Problems, Severity, grouped, joined};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task, plan};
-use serde::Serialize;
-
-/// A file with its hash.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct HashedFile {
-    /// Path: of an input as the job names it, of an output inside the kit.
-    pub path: String,
-    /// What it is for; inputs have none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub role: Option<Role>,
-    /// SHA-256 of its bytes, in hexadecimal digits.
-    pub sha256: String,
-    /// The input that was made from it and states its hash, e.g. an imported error table.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub through: Option<String>,
-}
-
-/// Hash of an input.
-pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
-    HashedFile { path: path.to_string(), role: None, sha256: sha256(bytes), through: None }
-}
 
 /// The inputs of a kit, read and checked.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::KitFile;
 use crate::control::table::Tables;
 use crate::inputs::job::ActiveTables;
-use crate::judge::active::{ActiveControl, named_axis};
+use crate::judge::active::{ActiveControl, State};
 use crate::judge::conformity::Verdict;
 use crate::judge::disagreement::{compare, contents};
 use crate::judge::family::Before;
@@ -26,7 +26,6 @@ use crate::write::compensation::Compiled;
 use crate::write::emit;
 use crate::write::plan::{Plan, Task};
 use crate::write::target::wants;
-use serde_json::Value;
 
 /// A control with tables in it, beside what the job asks of it.
 pub struct Loaded<'a> {
@@ -63,7 +62,7 @@ impl<'a> Loaded<'a> {
     pub(super) fn kit(
         asked: Asked<'a>,
         files: &[KitFile],
-        named: Option<&Value>,
+        named: Option<&State>,
     ) -> Result<Loaded<'a>, Problems> {
         let outside = loaded_state(&asked, named);
         Loaded::files(asked, files, outside)
@@ -192,11 +191,10 @@ type Outside = (ControlState, Vec<Finding>);
 
 /// The control of a job with the backlash parameters of a kit; `named` = `state` of its manifest,
 /// `None` where there is none, so that only the job says what they are.
-fn loaded_state(asked: &Asked<'_>, named: Option<&Value>) -> Outside {
+fn loaded_state(asked: &Asked<'_>, named: Option<&State>) -> Outside {
     outside(asked, |axis, wanted| {
-        let entry = named.and_then(|state| named_axis(state, &axis.name));
-        match entry.and_then(|entry| entry.get("backlash_um")) {
-            Some(parameter) => take(axis, "the kit was made for", parameter.as_f64(), wanted),
+        match named.and_then(|state| state.axis(&axis.name)) {
+            Some(entry) => take(axis, "the kit was made for", entry.backlash_um, wanted),
             // No kit, or one from before manifests held it.
             None => wanted
                 .map(|um| InControl::NoManifest { axis: axis.name.clone(), um: micrometres(um) }),

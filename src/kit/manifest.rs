@@ -3,22 +3,18 @@
 //! Figures are rounded to a picometre, so that the file is readable and the same everywhere.
 
 use crate::control::claims::{Assumption, Precondition};
-use crate::control::control_state::ControlState;
-use crate::control::controller::ControlUnit;
-use crate::judge::active::{ActiveControl, Origin};
+use crate::judge::active::{HashedFile, Machine, Predecessor, State};
 use crate::judge::forecast::{Change, Forecast};
 use crate::kit::field::Shown;
-pub use crate::kit::inputs::{HashedFile, hashed};
 use crate::kit::refusals;
 use crate::kit::visit_plan::WhatDecides;
-use crate::quantity::{Direction, ErrorTerm, Millimetres, picometres};
-use crate::text::{Finding, Named, Problem, plain, refuse_large_page, sha256};
+use crate::quantity::{ErrorTerm, Millimetres, picometres};
+use crate::text::{Finding, Named, Problem, plain, refuse_large_page};
 use crate::write::compensation::Placement;
 use crate::write::target::Omission;
 use serde::Serialize;
 use serde_json::Value;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 /// Version of the format.
 pub const SCHEMA: u32 = 1;
@@ -73,40 +69,6 @@ pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     })
 }
 
-/// The tables that a kit follows: a link of the chain that `nonius history` prints.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Predecessor {
-    /// Path, as the job named it.
-    pub path: String,
-    /// SHA-256 of the manifest of a kit; `null` of files that were read out of the control.
-    pub manifest_sha256: Option<String>,
-    /// The program that made the kit; `null` of a read-out.
-    pub tool: Option<String>,
-    /// Id of the profile it was read with.
-    pub controller: String,
-    /// The control's files that were read.
-    pub files: Vec<HashedFile>,
-}
-
-impl Predecessor {
-    /// The link to the tables that were active while measuring; `None` where none were.
-    pub fn of(active: &ActiveControl, controller: &str) -> Option<Predecessor> {
-        let (manifest_sha256, tool) = match &active.origin {
-            Origin::Kit { manifest, tool } => (Some(sha256(manifest)), Some(tool.clone())),
-            Origin::ReadOut(_) => (None, None),
-            Origin::NoTables => return None,
-        };
-        let files = active.files.iter();
-        Some(Predecessor {
-            path: active.path.clone(),
-            manifest_sha256,
-            tool,
-            controller: controller.to_string(),
-            files: files.map(|(name, bytes)| hashed(name, bytes)).collect(),
-        })
-    }
-}
-
 /// The manifest of a kit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Manifest {
@@ -148,51 +110,6 @@ pub struct Manifest {
     pub doubts: Vec<Finding>,
     /// What the user should know.
     pub notes: Vec<Finding>,
-}
-
-/// The state of the control: what an update compares with its job.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct State {
-    unit: ControlUnit,
-    axes: Vec<AxisOfState>,
-}
-
-/// An axis of it; its backlash parameter where the kit knows it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct AxisOfState {
-    name: String,
-    reference_mm: Millimetres,
-    reference_direction: Direction,
-    detection_unit_um: Option<f64>,
-    backlash_um: Option<f64>,
-    bidirectional: bool,
-    interpolated: bool,
-}
-
-impl State {
-    /// Of a control; `backlash_um` gives the backlash parameter of an axis.
-    pub fn of(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> State {
-        let axes = state.axes.iter().map(|axis| AxisOfState {
-            name: axis.name.clone(),
-            reference_mm: axis.reference,
-            reference_direction: axis.reference_direction,
-            detection_unit_um: axis.detection_unit_um,
-            backlash_um: backlash_um(&axis.name),
-            bidirectional: axis.bidirectional,
-            interpolated: axis.interpolated,
-        });
-        State { unit: state.unit, axes: axes.collect() }
-    }
-}
-
-/// The machine, and who measured it when and how.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Machine {
-    pub(super) name: String,
-    pub(super) serial: Option<String>,
-    pub(super) chain: Option<String>,
-    pub(super) measured: Option<String>,
-    pub(super) protocol: BTreeMap<String, String>,
 }
 
 /// A forecast with the keys of the manifest.

@@ -22,7 +22,7 @@ pub use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
-use crate::judge::active::named_axis;
+use crate::judge::active::State;
 use crate::judge::field::Field;
 use crate::judge::findings::InControl;
 use crate::kit::findings::InRehearsal;
@@ -38,7 +38,6 @@ use crate::text::{Finding, Problem, Problems};
 use crate::write::compensation::compile;
 use crate::write::plan::plan;
 use serde::Serialize;
-use serde_json::Value;
 
 /// A machine with what the loaded tables do to it.
 #[derive(Clone, Debug)]
@@ -95,7 +94,7 @@ fn written(um: f64) -> f64 {
 pub fn rehearsed<'a>(
     inputs: &'a Inputs,
     files: &[KitFile],
-    named: Option<&Value>,
+    named: Option<&State>,
 ) -> Result<Loaded<'a>, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
@@ -104,7 +103,7 @@ pub fn rehearsed<'a>(
     let parameter = |axis: Axis| {
         let name = loaded.asked.plan.names[axis].first()?;
         let um = loaded.state.axis(name)?.backlash_um;
-        let is_named = named.and_then(|state| named_axis(state, name)).is_some();
+        let is_named = named.is_some_and(|state| state.axis(name).is_some());
         (um.abs() > 0.0).then(|| InRehearsal::Backlash { axis, um, is_named }.into())
     };
     let parameters: Vec<Finding> = Axis::ALL.into_iter().filter_map(parameter).collect();

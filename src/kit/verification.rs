@@ -4,7 +4,7 @@ use super::inputs::{Asked, Inputs, judged};
 use super::loaded::{Loaded, doubts};
 use crate::control::controller::KitFile;
 use crate::inputs::job::Job;
-use crate::judge::active::ActiveControl;
+use crate::judge::active::{ActiveControl, State};
 use crate::judge::after::{AfterMeasurement, Comparison, compare, observations, unseen_reversal};
 use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
@@ -41,7 +41,7 @@ pub struct Verification<'a> {
 pub fn verify<'a>(
     inputs: &'a Inputs,
     files: &[KitFile],
-    named: Option<&serde_json::Value>,
+    named: Option<&State>,
     before: Vec<Finding>,
 ) -> Result<Verification<'a>, Problems> {
     let loaded = Loaded::kit(Asked::of(inputs)?, files, named)?;

@@ -14,7 +14,7 @@ pub use self::keys::Key;
 pub(crate) use self::keys::{part, section};
 use crate::text::{LineIndex, Place, Problem, Problems, refusals};
 pub use section::Section;
-use serde_json::Value;
+use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
@@ -130,7 +130,7 @@ pub(crate) fn template_text(name: &str, bytes: &[u8]) -> Result<String, Problems
 /// A page of JSON from its bytes, or what is wrong with them, in words that follow "is damaged:".
 ///
 /// limits [`LARGEST_PAGE`] bytes, which whoever writes such a page keeps too ([`refuse_large_page`])
-pub(crate) fn json_page(bytes: &[u8]) -> Result<Value, String> {
+pub(crate) fn json_page<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
     if bytes.len() > LARGEST_PAGE {
         let most = LARGEST_PAGE >> 10;
         return Err(format!("it holds more than {most} KiB, too much for a manifest"));

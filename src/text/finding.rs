@@ -2,7 +2,8 @@
 //! stand beside it, in the list of its room (`findings.rs`), and nowhere else; no code reads them again. Likewise
 //! closed lists of values, each with its word: in profiles, jobs, documents; and figures by their names.
 
-use serde::{Serialize, Serializer};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::any::Any;
 use std::collections::HashSet;
 use std::fmt::{self, Display};
@@ -204,6 +205,18 @@ pub(crate) trait Word: Copy + PartialEq + 'static {
     const WORDS: &'static [(&'static str, Self)];
 }
 
+/// Reads a word of a list.
+pub(crate) fn read_word<'de, T: Word, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {
+    let word = String::deserialize(from)?;
+    let found = T::WORDS.iter().find(|(own, _)| *own == word);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        D::Error::custom(format!(
+            "`{word}` is none of {}",
+            joined(T::WORDS.iter().map(|(own, _)| own))
+        ))
+    })
+}
+
 /// The value and its word, side by side.
 macro_rules! words {
     ($(#[$of:meta])* $how:vis enum $name:ident { $($(#[$value_of:meta])* $value:ident = $word:literal,)+ }) => {
@@ -226,6 +239,12 @@ macro_rules! words {
         impl serde::Serialize for $name {
             fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
                 to.serialize_str(self.word())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+                $crate::text::read_word(from)
             }
         }
     };

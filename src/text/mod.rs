@@ -24,7 +24,7 @@ pub use self::document::{
 };
 pub use self::finding::{Finding, Kind, Severity, of_severity};
 pub(crate) use self::finding::{
-    Named, Word, counted, findings, grouped, joined, listed, once, words,
+    Named, Word, counted, findings, grouped, joined, listed, once, read_word, words,
 };
 pub(crate) use self::plain::{BLANK, BOX, escaped, marked};
 pub use self::plain::{is_unseen, line, page};

@@ -3,14 +3,13 @@
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{ActiveTables, Job, MeasuredData};
 use crate::inputs::kind::FileKind;
-use crate::judge::active::ActiveControl;
+use crate::judge::active::{ActiveControl, HashedFile};
 use crate::judge::after::{AfterMeasurement, ensure_same_machine, same_slopes};
 use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::compare;
 use crate::judge::disagreement::contents::measuring_systems;
 use crate::judge::findings::AsLeft;
 use crate::kit::findings::KitFinding;
-use crate::kit::manifest::HashedFile;
 use crate::kit::{Inputs, Loaded, emulator};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;

@@ -278,11 +278,6 @@ words! {
 }
 
 impl Role {
-    /// The role of a word in a profile or a manifest.
-    pub(crate) fn of_word(word: &str) -> Option<Role> {
-        Role::WORDS.iter().find(|(own, _)| *own == word).map(|(_, role)| *role)
-    }
-
     /// Whether the file stands beside the kit: a control loads it instead of the tables, never
     /// with them.
     pub const fn stands_apart(self) -> bool {

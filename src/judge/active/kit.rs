@@ -4,6 +4,7 @@
 //! listed file has to be the one that was made. The manifest's `state` says for which reference,
 //! unit and axes, and which backlash parameter was named; its `machine` for which machine.
 
+use super::manifest::{AxisOfState, HashedFile, KitManifest, Machine, State};
 use super::reading::{ActiveControl, Origin, at_key, backlash_of};
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
@@ -15,7 +16,6 @@ use crate::quantity::PerAxis;
 use crate::read::read;
 use crate::text::{Finding, Problem, Problems, json_page, sha256, shown};
 use crate::write::plan::axis_names;
-use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -30,24 +30,27 @@ pub fn from_kit(
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<ActiveControl, Problems> {
     let damaged = |error| at_key(job, refusals::damaged_manifest(path, error));
-    let document: Value = json_page(manifest).map_err(damaged)?;
-    let files = acting(job, path, &document, files)?;
+    let document: KitManifest = json_page(manifest).map_err(damaged)?;
+    let files = acting(job, path, &document.files, files)?;
     let mut problems = Problems::none();
-    let (controller, state) = (word(&document["controller"]), &document["state"]);
+    let controller = document.controller.unwrap_or_default();
     if controller != profile.id {
-        let wrong = refusals::other_control(shown(controller), &profile.id);
+        let wrong = refusals::other_control(shown(&controller), &profile.id);
         problems.push(at_key(job, wrong));
     }
-    let findings = check_machine(job, &document["machine"], &mut problems);
+    let findings = check_machine(job, document.machine, &mut problems);
+    let state = document.state.as_ref();
     let found = backlash(&axis_names(job, profile)?, state);
     let backlash_um = backlash_of(job, &found, &mut problems);
     let mut own = ActiveControl::bare(job, profile, path, backlash_um)?;
-    check_state(job, &own.state, state, &mut problems);
-    take_switches(&mut own.state, state);
+    if let Some(state) = state {
+        check_state(job, &own.state, state, &mut problems);
+        take_switches(&mut own.state, state);
+    }
     problems.or_ok(())?;
     let tables = read(profile, &files)?.tables;
     let origin =
-        Origin::Kit { manifest: manifest.to_vec(), tool: word(&document["tool"]).to_string() };
+        Origin::Kit { manifest: manifest.to_vec(), tool: document.tool.unwrap_or_default() };
     let loaded = format!("the kit `{path}` was loaded and switched on as it was made");
     let wrong = "the new tables would hold corrections that were not active: read the tables out of the control and name them instead";
     Ok(ActiveControl {
@@ -60,25 +63,17 @@ pub fn from_kit(
     })
 }
 
-fn word(value: &Value) -> &str {
-    value.as_str().unwrap_or_default()
-}
-
-fn items(value: &Value) -> impl Iterator<Item = &Value> {
-    value.as_array().into_iter().flatten()
-}
-
 /// The files that act, after every listed one was compared with its hash.
 fn acting(
     job: &Job,
     path: &str,
-    document: &Value,
+    listed: &[HashedFile],
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<Vec<KitFile>, Problems> {
     let mut problems = Problems::none();
     let mut files: BTreeMap<String, Vec<u8>> = files.into_iter().collect();
     let bytes = |name: &str| Ok(files.get(name).map(|bytes| (None, bytes.as_slice().into())));
-    for Fault { kind, role } in faults(document, bytes) {
+    for Fault { kind, role } in faults(listed, bytes) {
         let is_written_into = role.is_some_and(Role::is_written_into);
         let (name, what) = match kind {
             FileFault::Changed { .. } if is_written_into => continue,
@@ -90,16 +85,11 @@ fn acting(
         problems.push(at_key(job, refusals::other_file(name, path, what)));
     }
     let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
-    let acting = listed(document).filter_map(|(name, entry)| {
-        let role = Role::of_word(word(&entry["role"])).filter(acts)?;
-        Some(KitFile { path: name.to_string(), role, bytes: files.remove(name)? })
+    let acting = listed.iter().filter_map(|file| {
+        let role = file.role.filter(acts)?;
+        Some(KitFile { path: file.path.clone(), role, bytes: files.remove(&file.path)? })
     });
     problems.or_ok(acting.collect())
-}
-
-/// What the manifest lists, by path.
-pub(crate) fn listed(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
-    items(&document["files"]).map(|entry| (word(&entry["path"]), entry))
 }
 
 /// A difference of the files from what their manifest lists.
@@ -114,21 +104,21 @@ pub struct Fault {
 type Bytes<'a> = (Option<Role>, Cow<'a, [u8]>);
 
 /// How the files of a directory differ from what its manifest lists.
-pub fn faults<'a>(
-    document: &Value,
+pub fn faults<'a, 'b>(
+    listed: &'b [HashedFile],
     bytes_of: impl Fn(&str) -> Result<Option<Bytes<'a>>, Problem>,
 ) -> Vec<Fault> {
     let mut seen = BTreeMap::<&str, usize>::new();
-    let fault = |(path, entry): (_, &Value)| {
+    let fault = |HashedFile { path, role, sha256: own, .. }: &'b HashedFile| {
         let (file, times) = (shown(path), seen.entry(path).or_default());
         *times += 1;
-        let role = Role::of_word(word(&entry["role"]));
+        let role = *role;
         let (kind, role) = match *times {
             1 if !is_plain_name(path) => (FileFault::NoPlainName { file }, None),
             1 => match bytes_of(path) {
                 Err(Problem { message, .. }) => (FileFault::NotReadable { message }, None),
                 Ok(None) => (FileFault::Missing { file }, role),
-                Ok(Some((_, bytes))) if sha256(&bytes) == word(&entry["sha256"]) => return None,
+                Ok(Some((_, bytes))) if sha256(&bytes) == *own => return None,
                 Ok(Some((known, _))) => (FileFault::Changed { file }, known.or(role)),
             },
             2 => (FileFault::ListedTwice { file }, None),
@@ -136,7 +126,7 @@ pub fn faults<'a>(
         };
         Some(Fault { kind, role })
     };
-    listed(document).filter_map(fault).collect()
+    listed.iter().filter_map(fault).collect()
 }
 
 /// A manifest lists files of its own directory and nothing else.
@@ -148,27 +138,27 @@ fn is_plain_name(name: &str) -> bool {
 /// Serial number, name and chain of the machine of the kit against those of the job: another
 /// serial number is another machine; another name or chain is one too, unless the serial numbers
 /// are the same. Gives what is to be told.
-fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Finding> {
+fn check_machine(job: &Job, machine: Machine, problems: &mut Problems) -> Vec<Finding> {
     let own = &job.machine;
     let chain = own.chain.map(|chain| chain.to_string());
     let asked = [
-        ("serial", "serial number", own.serial.clone()),
-        ("name", "name", Some(own.name.clone())),
-        ("chain", "chain", chain),
+        ("serial", "serial number", machine.serial, own.serial.clone()),
+        ("name", "name", machine.name, Some(own.name.clone())),
+        ("chain", "chain", machine.chain, chain),
     ];
     let (mut notes, mut same_serial) = (Vec::new(), false);
-    for (key, what, own) in asked {
-        let (Some(kit), Some(own)) = (machine[key].as_str(), own) else {
+    for (key, what, kit, own) in asked {
+        let (Some(kit), Some(own)) = (kit, own) else {
             continue;
         };
         if kit == own {
             same_serial |= key == "serial";
         } else if same_serial {
-            notes.push(InControl::SameSerial { key, kit: shown(kit), own }.into());
+            notes.push(InControl::SameSerial { key, kit: shown(&kit), own }.into());
         } else {
             let is_serial = key == "serial";
             let help = if is_serial { refusals::LOADED } else { refusals::LOADED_OR_NAMED };
-            problems.push(at_key(job, refusals::other_machine(what, shown(kit), own, help)));
+            problems.push(at_key(job, refusals::other_machine(what, shown(&kit), own, help)));
             if is_serial {
                 break;
             }
@@ -178,28 +168,17 @@ fn check_machine(job: &Job, machine: &Value, problems: &mut Problems) -> Vec<Fin
 }
 
 /// The backlash parameters that the kit named; the axes of a gantry have the same one.
-fn backlash(names: &PerAxis<Vec<String>>, state: &Value) -> PerAxis<Option<f64>> {
-    PerAxis::from_fn(|axis| {
-        names[axis].iter().find_map(|name| named_axis(state, name))?["backlash_um"].as_f64()
-    })
-}
-
-/// What the `state` of a manifest says of an axis of the control.
-pub(crate) fn named_axis<'a>(state: &'a Value, name: &str) -> Option<&'a Value> {
-    items(&state["axes"]).find(|entry| word(&entry["name"]).eq_ignore_ascii_case(name))
+fn backlash(names: &PerAxis<Vec<String>>, state: Option<&State>) -> PerAxis<Option<f64>> {
+    PerAxis::from_fn(|axis| names[axis].iter().find_map(|name| state?.axis(name))?.backlash_um)
 }
 
 /// Unit, axes, references and detection units of the kit against those of the job.
-fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Problems) {
-    if !state["axes"].is_array() {
-        return; // a kit from before manifests held it
+fn check_state(job: &Job, own: &ControlState, state: &State, problems: &mut Problems) {
+    if state.unit != own.unit {
+        problems.push(at_key(job, refusals::other_unit(state.unit.word(), own.unit.word())));
     }
-    let (unit, own_unit) = (word(&state["unit"]), own.unit.word());
-    if unit != own_unit {
-        problems.push(at_key(job, refusals::other_unit(shown(unit), own_unit)));
-    }
-    for entry in items(&state["axes"]) {
-        let name = word(&entry["name"]);
+    for entry in &state.axes {
+        let name = &entry.name;
         let Some(axis) = own.axis(name) else {
             problems.push(at_key(job, refusals::no_such_axis(shown(name))));
             continue;
@@ -210,26 +189,21 @@ fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Prob
     }
 }
 
-fn differences(own: &AxisState, entry: &Value) -> Vec<String> {
+fn differences(own: &AxisState, entry: &AxisOfState) -> Vec<String> {
     let mut words = Vec::new();
-    let expected = own.reference.mm();
-    match entry["reference_mm"].as_f64() {
-        Some(reference) if (reference - expected).abs() <= SAME => {}
-        Some(reference) => words.push(format!(
+    let (reference, expected) = (entry.reference_mm.mm(), own.reference.mm());
+    if (reference - expected).abs() > SAME {
+        words.push(format!(
             "the active tables have their reference at {reference} mm, the job has it at {expected} mm"
-        )),
-        None => words.push(format!(
-            "the manifest of the active tables lacks `reference_mm`, the job has the reference at {expected} mm"
-        )),
+        ));
     }
-    let (direction, homing) = (word(&entry["reference_direction"]), own.reference_direction);
-    if direction != homing.symbol() {
-        let direction = shown(direction);
+    let (direction, homing) = (entry.reference_direction, own.reference_direction);
+    if direction != homing {
         words.push(format!(
             "the active tables are for a reference return in {direction}, the job for {homing}"
         ));
     }
-    if let (Some(old), Some(new)) = (entry["detection_unit_um"].as_f64(), own.detection_unit_um)
+    if let (Some(old), Some(new)) = (entry.detection_unit_um, own.detection_unit_um)
         && (old - new).abs() > SAME
     {
         words
@@ -239,12 +213,11 @@ fn differences(own: &AxisState, entry: &Value) -> Vec<String> {
 }
 
 /// The switches that no file of the kit writes.
-fn take_switches(own: &mut ControlState, state: &Value) {
+fn take_switches(own: &mut ControlState, state: &State) {
     for axis in &mut own.axes {
-        if let Some(entry) = named_axis(state, &axis.name) {
-            let of = |key: &str, own: bool| entry[key].as_bool().unwrap_or(own);
-            axis.bidirectional = of("bidirectional", axis.bidirectional);
-            axis.interpolated = of("interpolated", axis.interpolated);
+        if let Some(entry) = state.axis(&axis.name) {
+            axis.bidirectional = entry.bidirectional;
+            axis.interpolated = entry.interpolated;
         }
     }
 }

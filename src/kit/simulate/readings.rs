@@ -4,9 +4,9 @@
 use super::{Noise, Rehearsal, SIMULATED, SimulatedMachine, written};
 use crate::inputs::error_table::{Draft, Kind, Series};
 use crate::inputs::job::{DiagonalMeasurement, MeasuredData};
+use crate::judge::active::HashedFile;
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
-use crate::kit::manifest::HashedFile;
 use crate::kit::refusals;
 use crate::machine::model::Measured;
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};

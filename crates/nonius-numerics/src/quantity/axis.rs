@@ -3,7 +3,7 @@
 //! `EYX` is the deviation in **Y** while **X** moves: direction first, moving axis second.
 //! Terms are indexed by their two axes, never by a number.
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
@@ -60,7 +60,7 @@ impl fmt::Display for Axis {
 }
 
 /// Direction of travel of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Direction {
     /// Towards larger coordinates.
     #[serde(rename = "+")]

@@ -7,7 +7,7 @@
 //! value, forecast and report goes through it. Which of the two a *control's table* holds is a
 //! fact of its profile.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::{Add, Neg, Sub};
 
@@ -125,7 +125,7 @@ fn is_zeros(text: &str) -> bool {
 }
 
 /// A position on an axis, machine coordinates, or a length; millimetres.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
 pub struct Millimetres(f64);
 
 impl Millimetres {
