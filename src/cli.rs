@@ -104,7 +104,7 @@ enum Command {
     /// Tell the machine's error along the path of a part program (G-code)
     Path(path::Options),
     /// Write the page that makes and judges a kit in a browser, where nothing may be installed
-    Page(Page),
+    Page(PageOptions),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -276,7 +276,7 @@ const PAGE: Option<&[u8]> = Some(include_bytes!("../target/package/nonius.html")
 
 // Options of `page`.
 #[derive(Args, Debug)]
-struct Page {
+struct PageOptions {
     /// The file to write (HTML); `-` = standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -285,7 +285,7 @@ struct Page {
     force: bool,
 }
 
-fn page(options: &Page, files: &dyn Files) -> Result<Outcome, Problems> {
+fn page(options: &PageOptions, files: &dyn Files) -> Result<Outcome, Problems> {
     let (page, place) = (PAGE.ok_or_else(refusals::no_page)?, &options.output);
     if place == Path::new("-") {
         return Ok(Outcome::bytes(page.to_vec()));

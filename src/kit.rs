@@ -31,11 +31,11 @@ use crate::text::{Finding, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, TOOL};
 use crate::write::plan::Plan;
-use field::Shown;
-pub(crate) use inputs::Asked;
+use field::ProofFigures;
+pub(crate) use inputs::JobTables;
 pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
-use loaded::{Made, named_backlash};
+use loaded::{BareKit, named_backlash};
 use serde::Serialize;
 pub(crate) use verification::second_look;
 pub use verification::{SecondLook, Verification, forecast, verify, verify_read_out};
@@ -64,7 +64,7 @@ pub struct Kit {
 impl Kit {
     /// The control with its files.
     pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
-        Loaded::own(Asked::of(inputs)?, &self.files)
+        Loaded::own(JobTables::of(inputs)?, &self.files)
     }
 
     /// The bytes of `manifest.json`.
@@ -75,21 +75,21 @@ impl Kit {
 
 /// What a template sees.
 pub(crate) fn template_context(inputs: &Inputs) -> Result<impl Serialize + use<>, Problems> {
-    emit::context(inputs.task(), &Asked::of(inputs)?.compiled)
+    emit::context(inputs.task(), &JobTables::of(inputs)?.compiled)
 }
 
 /// Makes a kit. Refused unless every file reads back to exactly what was meant.
 pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
-    let mut made = Made::of(inputs)?;
+    let mut made = BareKit::of(inputs)?;
     let ways = alternatives::ways(&made);
     let sign_proofs = field::add(&mut made)?;
     let manifest = manifest_of(&made, sign_proofs);
-    let Made { plan, compiled, files, effect, forecast, verdict, .. } = made;
+    let BareKit { plan, compiled, files, effect, forecast, verdict, .. } = made;
     Ok(Kit { plan, compiled, files, effect, forecast, verdict, ways, manifest })
 }
 
-fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Shown>) -> Manifest {
-    let Made { inputs, plan, compiled, files, forecast, doubts, .. } = made;
+fn manifest_of(made: &BareKit<'_>, sign_proofs: Vec<ProofFigures>) -> Manifest {
+    let BareKit { inputs, plan, compiled, files, forecast, doubts, .. } = made;
     let (Job { machine, measurement, .. }, controller) = (&inputs.job, inputs.profile.id.clone());
     let active = inputs.active.as_ref();
     let hashed =

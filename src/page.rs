@@ -15,7 +15,7 @@ mod svg;
 mod volume;
 
 pub use curves::{Curves, separated, targets, terms};
-pub use locale::{Locale, Shown, Texts, bin_um};
+pub use locale::{DisplayUnit, Locale, Texts, bin_um};
 pub use picture::{Ink, Picture};
-pub use report::{Placed, Report, Visit, linear_document};
+pub use report::{PagePicture, Report, Visit, linear_document};
 pub use volume::{HoleErrors, Side, Trace, path, volume};

@@ -8,6 +8,7 @@ use nonius::control::controller::{KitFile, Profile, Role};
 use nonius::inputs::error_table::{self, Draft, ErrorTable};
 use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
+use nonius::judge::active::KitManifest;
 use nonius::judge::active::{ReadOutFor, from_kit, from_read_out};
 use nonius::kit::{Inputs, generate as make, hashed, verify as judge};
 use nonius::machine::separation::campaign::{NamedTables, campaign};
@@ -111,9 +112,8 @@ pub fn generate(input: &[u8]) -> Answer {
     let inputs = inputs_of(&Bundle::read(input))?;
     let kit = make(&inputs)?;
     let manifest = kit.manifest_bytes()?;
-    let named: Option<serde_json::Value> = serde_json::from_slice(&manifest).ok();
-    let state = named.as_ref().map(|manifest| &manifest["state"]);
-    let found = match judge(&inputs, &kit.files, state, Vec::new()) {
+    let named: KitManifest = serde_json::from_slice(&manifest).expect("a manifest is read back");
+    let found = match judge(&inputs, &kit.files, named.state.as_ref(), Vec::new()) {
         Ok(found) => found,
         Err(problems) => panic!("verify refuses what generate made: {}", problems.render()),
     };
@@ -149,11 +149,9 @@ pub fn verify(input: &[u8]) -> Answer {
             bytes: bytes.to_vec(),
         })
         .collect();
-    let state = bundle
-        .file("manifest.json")
-        .and_then(|bytes| serde_json::from_slice::<serde_json::Value>(bytes).ok());
-    let found =
-        judge(&inputs, &files, state.as_ref().map(|manifest| &manifest["state"]), Vec::new())?;
+    let named = bundle.file("manifest.json");
+    let named = named.and_then(|bytes| serde_json::from_slice::<KitManifest>(bytes).ok());
+    let found = judge(&inputs, &files, named.unwrap_or_default().state.as_ref(), Vec::new())?;
     Ok(format!("{:?} {:?} {:?}", found.verdict, found.disagreements(), found.notes()))
 }
 

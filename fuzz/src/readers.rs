@@ -7,13 +7,13 @@ use nonius::control::controller::{
     Dialect, FanucFacts, KitFile, Profile, ProfileSource, Role, builtin, load,
 };
 use nonius::inputs::error_table::{ErrorTable, Remarks};
-use nonius::inputs::import::stated::{Stated, axis_word, direction_word};
+use nonius::inputs::import::stated::{ImportFacts, axis_word, direction_word};
 use nonius::inputs::import::{
     Component, Measurement, encoding_word, import as import_file, measured_runs,
 };
 use nonius::inputs::job::{Job, UseOf};
 use nonius::inputs::problems;
-use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
+use nonius::inputs::target_runs::{RunFacts, Runs, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
     fanuc as read_fanuc, generic, program as read_program, siemens as read_siemens,
@@ -71,7 +71,7 @@ pub fn target_runs(input: &[u8]) -> Answer {
     for unit in [None, Some(LengthUnit::Um), Some(LengthUnit::Mm)] {
         for values in [None, Some(Values::Positions), Some(Values::Deviations)] {
             let source = Source::from_bytes("runs.csv", input)?;
-            match Runs::read(&source, StatedRuns { unit, values }) {
+            match Runs::read(&source, RunFacts { unit, values }) {
                 Ok(runs) => answer += &figures(&runs)?,
                 Err(problems) => answer += &problems.render(),
             }
@@ -93,7 +93,7 @@ pub fn import(input: &[u8]) -> Answer {
     let options = String::from_utf8_lossy(bundle.file("options").unwrap_or_default()).into_owned();
     let bytes = bundle.0.last().map_or(&[][..], |(_, bytes)| bytes);
     let file = Measurement { path: "x", name: "x", sha256: "0", bytes };
-    let mut stated = Stated::default();
+    let mut stated = ImportFacts::default();
     let words: Vec<&str> = options.split_whitespace().collect();
     for pair in words.windows(2) {
         match pair[0] {
@@ -102,7 +102,7 @@ pub fn import(input: &[u8]) -> Answer {
             option => state(&mut stated, option, pair[1]),
         }
     }
-    let single = Stated { columns: None, ..stated.clone() };
+    let single = ImportFacts { columns: None, ..stated.clone() };
     let runs = measured_runs(file, &single).is_ok();
     let imported = import_file(file, &stated)?;
     // Findings are made fit for a terminal where they are printed; the target `commands` looks at that.
@@ -114,7 +114,7 @@ fn choice<T: ValueEnum>(word: &str) -> Option<T> {
     T::from_str(word, false).ok()
 }
 
-fn state(stated: &mut Stated, option: &str, word: &str) {
+fn state(stated: &mut ImportFacts, option: &str, word: &str) {
     match option {
         "--axis" => stated.axis = axis_word(word).ok(),
         "--term" => stated.term = Component::from_name(word),

@@ -4,7 +4,7 @@
 #[pyo3::pymodule]
 mod _core {
     use nonius::page::picture::{Mark, Panel, Picture, Scale};
-    use nonius::page::{Ink, Locale, Shown, Texts};
+    use nonius::page::{Ink, Locale, DisplayUnit, Texts};
     use pyo3::exceptions::PyValueError;
     use pyo3::{PyResult, Python, pyfunction};
 
@@ -45,7 +45,7 @@ mod _core {
             Texts::english().map_err(|problems| PyValueError::new_err(problems.render()))?;
         let (description, note) = (title.clone(), String::new());
         let picture = Picture { title, description, columns, panels: drawn, note };
-        Ok(picture.svg(Locale { texts: &texts, shown: Shown::Metric }))
+        Ok(picture.svg(Locale { texts: &texts, shown: DisplayUnit::Metric }))
     }
 
     fn mark((kind, numbers): Drawn) -> PyResult<Mark> {

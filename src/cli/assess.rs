@@ -12,8 +12,8 @@ use crate::page::bin_um;
 use crate::quantity::{Axis, Chain, PerAxis};
 use crate::text::{Problem, Problems};
 use crate::visit::files::Files;
-use crate::visit::inputs::{self, Corrected, read_directory};
-use crate::visit::job_files::Given;
+use crate::visit::inputs::{self, CorrectedMachine, read_directory};
+use crate::visit::job_files::InputFile;
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
@@ -81,13 +81,13 @@ impl AskedTables {
         files: &dyn Files,
         inputs: &Inputs,
         volume: &VolumeModel,
-    ) -> Result<Option<Corrected>, Problems> {
+    ) -> Result<Option<CorrectedMachine>, Problems> {
         let loaded = match &self.tables {
             Some(directory) => read_directory(files, inputs, directory)?.load(inputs)?,
             None if self.with_tables => generate(inputs)?.load(inputs)?,
             None => return Ok(None),
         };
-        Corrected::of(volume, &loaded).map(Some)
+        CorrectedMachine::of(volume, &loaded).map(Some)
     }
 }
 
@@ -135,7 +135,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
         grouping: options.grouping,
         vectors: options.vectors,
     };
-    let file = Given::read(files, &options.file)?;
+    let file = InputFile::read(files, &options.file)?;
     let inputs = match file.kind() {
         FileKind::Job => {
             let mut inputs = inputs::read_job(files, None, &file, options.tables.use_of())?;
@@ -160,7 +160,7 @@ pub(super) fn for_report(inputs: &Inputs, loaded: Option<&Loaded<'_>>) -> Result
     let nodes = Grid::of(GRID_OF_REPORT, &volume, &[])?;
     let histogram_um = Some(bin_um(va_um(&volume, &nodes)?));
     let request = Request { histogram_um, ..Request::default() };
-    let corrected = loaded.map(|loaded| Corrected::of(&volume, loaded)).transpose()?;
+    let corrected = loaded.map(|loaded| CorrectedMachine::of(&volume, loaded)).transpose()?;
     Ok(Page::of(inputs, volume, corrected, GRID_OF_REPORT, &request)?)
 }
 

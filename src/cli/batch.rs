@@ -105,7 +105,7 @@ struct Questions {
     lines: Box<dyn BufRead>,
     read: usize,
     /// One that is asked again.
-    again: Option<Asked>,
+    again: Option<NumberedLine>,
     progress: ProgressBar,
 }
 
@@ -123,7 +123,7 @@ impl Questions {
     }
 
     /// The next one with its number; of one that is too long the beginning.
-    fn next(&mut self) -> Result<Option<Asked>, Problem> {
+    fn next(&mut self) -> Result<Option<NumberedLine>, Problem> {
         let refuse = |error| at(&self.name, &error);
         let mut line = Vec::new();
         let mut bytes =
@@ -138,7 +138,7 @@ impl Questions {
         Ok((bytes > 0).then(|| (self.read, line.to_vec())))
     }
 
-    fn take(&mut self, most: usize) -> Result<Vec<Asked>, Problem> {
+    fn take(&mut self, most: usize) -> Result<Vec<NumberedLine>, Problem> {
         let again = self.again.take().map(Ok);
         let next = std::iter::from_fn(|| self.next().transpose());
         again.into_iter().chain(next).take(most).collect()
@@ -146,7 +146,7 @@ impl Questions {
 }
 
 /// A question and the number of its line.
-type Asked = (usize, Vec<u8>);
+type NumberedLine = (usize, Vec<u8>);
 
 /// Bytes of a question.
 const LONGEST: u64 = LARGEST_FILE_MIB << 20;
@@ -194,11 +194,11 @@ fn resumed(place: &Path, questions: &mut Questions) -> Result<(File, bool), Prob
 struct Question {
     id: Option<Value>,
     command: String,
-    job: Option<Page>,
+    job: Option<FileContent>,
     #[serde(default)]
     options: Vec<String>,
     #[serde(default)]
-    files: BTreeMap<String, Page>,
+    files: BTreeMap<String, FileContent>,
 }
 
 /// How a job is called that a question holds.
@@ -207,7 +207,7 @@ const JOB: &str = "job.toml";
 /// What a file holds, or the path of a job.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Page {
+enum FileContent {
     Text(String),
     /// What is no text.
     Bytes(Vec<u8>),
@@ -217,7 +217,7 @@ enum Page {
 
 /// What `batch` prints of an answer.
 #[derive(Serialize)]
-struct Line<'a> {
+struct AnswerLine<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<Value>,
     document: Value,
@@ -284,7 +284,7 @@ fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) ->
         Err(other) => Value::from(other.into_bytes()),
     };
     let document = serde_json::from_slice(&answer.out);
-    let line = Line {
+    let line = AnswerLine {
         id,
         document: document.unwrap_or_else(|_| text(answer.out.clone())),
         problems: &answer.problems,
@@ -298,11 +298,11 @@ fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) ->
 
 /// The files that a question holds, and the path of its job.
 fn memory(
-    job: Option<Page>,
-    mut files: BTreeMap<String, Page>,
+    job: Option<FileContent>,
+    mut files: BTreeMap<String, FileContent>,
 ) -> Result<(Memory, Option<String>), Problem> {
     let path = match job {
-        Some(Page::Text(path)) => Some(path),
+        Some(FileContent::Text(path)) => Some(path),
         Some(sections) => {
             if files.insert(JOB.to_string(), sections).is_some() {
                 return Err(refusals::two_jobs(JOB));
@@ -314,12 +314,12 @@ fn memory(
     let mut held = Vec::new();
     for (name, page) in files {
         let bytes = match page {
-            Page::Text(text) => text.into_bytes(),
-            Page::Bytes(bytes) => bytes,
-            Page::Parts(sections) if name.ends_with(".toml") => toml::to_string(&sections)
+            FileContent::Text(text) => text.into_bytes(),
+            FileContent::Bytes(bytes) => bytes,
+            FileContent::Parts(sections) if name.ends_with(".toml") => toml::to_string(&sections)
                 .map_err(|error| refusals::no_job(&name, error))?
                 .into_bytes(),
-            Page::Parts(columns) => table(&name, &columns)?.into_bytes(),
+            FileContent::Parts(columns) => table(&name, &columns)?.into_bytes(),
         };
         held.push((name, bytes));
     }

@@ -4,8 +4,8 @@ use crate::cli::refusals;
 use crate::cli::write::{self, Output, written};
 use crate::text::{LARGEST_FILE_MIB, Problem, Problems};
 use crate::visit::files::{
-    Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written, printed,
-    unreadable,
+    Begun, Files, Long, NamedBytes, PathEntry, Ready, STANDARD_INPUT, not_put_out, not_written,
+    printed, unreadable,
 };
 use crate::visit::refusals as in_files;
 use indicatif::ProgressBar;
@@ -168,12 +168,12 @@ impl Files for Disk {
         Ok(names)
     }
 
-    fn kind(&self, path: &Path) -> std::io::Result<Kind> {
+    fn kind(&self, path: &Path) -> std::io::Result<PathEntry> {
         let found = std::fs::metadata(path).map_err(|error| match path.is_symlink() {
             true => Error::other(error.to_string()), // it leads nowhere, but it is there
             false => error,
         });
-        Ok(if found?.is_dir() { Kind::Folder } else { Kind::File })
+        Ok(if found?.is_dir() { PathEntry::Folder } else { PathEntry::File })
     }
 
     fn same(&self, one: &Path, other: &Path) -> bool {
@@ -181,10 +181,10 @@ impl Files for Disk {
         place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
     }
 
-    fn ensure(&self, place: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
+    fn ensure(&self, place: &Path, kind: PathEntry, force: bool) -> Result<(), Problems> {
         match kind {
-            Kind::File => write::ensure_new(place, force),
-            Kind::Folder => write::ensure_free(place, force),
+            PathEntry::File => write::ensure_new(place, force),
+            PathEntry::Folder => write::ensure_free(place, force),
         }
     }
 

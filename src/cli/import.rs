@@ -3,13 +3,13 @@
 use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
-use crate::inputs::import::stated::{Stated, word};
+use crate::inputs::import::stated::{ImportFacts, word};
 use crate::inputs::import::{self, Imported, Kind, List, fill, squareness_lines};
 use crate::judge::active::HashedFile;
 use crate::quantity::{Diagonal, Direction};
-use crate::text::{Finding, Named, Problems, Severity, Source, of_severity};
+use crate::text::{Finding, NamedEntries, Problems, Severity, Source, of_severity};
 use crate::visit::files::{Files, file_name, with_slashes};
-use crate::visit::job_files::Given;
+use crate::visit::job_files::InputFile;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "FILE", requires = "form")]
     ppn: Option<PathBuf>,
     #[command(flatten)]
-    stated: Stated,
+    stated: ImportFacts,
     #[command(flatten)]
     output: Output,
 }
@@ -47,7 +47,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         return fill_in(options, form, files);
     }
     options.output.ensure_new(files, "the error table")?;
-    let file = Given::read(files, options.file.as_deref().unwrap_or(Path::new("-")))?;
+    let file = InputFile::read(files, options.file.as_deref().unwrap_or(Path::new("-")))?;
     let imported = import::import(file.measurement(), &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
     let document = Document {
@@ -83,11 +83,11 @@ struct Document<'a> {
     source: &'a HashedFile,
     format: String,
     output: String,
-    stated: Named<&'static str, String>,
+    stated: NamedEntries<&'static str, String>,
     facts: Vec<Finding>,
     warnings: Vec<Finding>,
     series: Vec<OfSeries>,
-    squareness_um_per_m: Named<&'static str, f64>,
+    squareness_um_per_m: NamedEntries<&'static str, f64>,
 }
 
 /// The same of lists that fill in a form.
@@ -95,7 +95,7 @@ struct Document<'a> {
 struct OfForm<'a> {
     format: &'static str,
     lists: Vec<&'a HashedFile>,
-    stated: Named<&'static str, String>,
+    stated: NamedEntries<&'static str, String>,
 }
 
 /// What a series holds.
@@ -144,8 +144,8 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
     let named = of_diagonals.chain([(None, &options.file)]);
     let named = named.filter_map(|(of, file)| Some((of, file.as_deref()?)));
-    let lists = named.map(|(of, file)| Ok((of, Given::read(files, file)?)));
-    let given: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
+    let lists = named.map(|(of, file)| Ok((of, InputFile::read(files, file)?)));
+    let given: Vec<(Option<Diagonal>, InputFile<'_>)> = lists.collect::<Result<_, Problems>>()?;
     let lists: Vec<List<'_>> = given.iter().map(|(of, file)| (*of, file.measurement())).collect();
     let text = fill(&form, &lists, &options.stated)?;
     let document = OfForm {

@@ -8,12 +8,12 @@ use crate::inputs::job::{Job, MeasuredData, UseOf};
 use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::judge::findings::InControl;
 use crate::kit::manifest::MANIFEST;
-use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
+use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, TableToFill, Visit};
 use crate::quantity::{Figure, MM_PER_INCH, PerAxis, rounded};
 use crate::text::{Finding, LONGEST_MM, Problems, Severity, joined};
-use crate::visit::files::{Files, Kind, printed, with_slashes};
+use crate::visit::files::{Files, PathEntry, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
-use crate::visit::job_files::{Given, JobFiles, profile};
+use crate::visit::job_files::{InputFile, JobFiles, profile};
 use crate::write::plan::axis_names;
 use clap::Args;
 use serde_json::json;
@@ -137,14 +137,14 @@ fn again(
     read_out: Option<&Path>,
     directory: &Path,
 ) -> Result<Beginning, Problems> {
-    let named = JobFiles::of(files, &Given::read(files, path)?, UseOf::Tables)?;
+    let named = JobFiles::of(files, &InputFile::read(files, path)?, UseOf::Tables)?;
     let (job, profile) = (&named.job, named.profile()?);
     let measured = match &job.measurement.data {
         MeasuredData::Diagonals(how) => {
-            Measured::Readings(named.source(&how.readings, "measurement.readings")?.0)
+            TableToFill::Readings(named.source(&how.readings, "measurement.readings")?.0)
         }
         MeasuredData::Errors(_) => {
-            Measured::Errors(Box::new(errors(&named)?.table(job)?.into_owned()))
+            TableToFill::Errors(Box::new(errors(&named)?.table(job)?.into_owned()))
         }
     };
     let folder = named.folder;
@@ -152,7 +152,7 @@ fn again(
     let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
     let held = read_out.map(|path| held(files, job, &profile, path, &mut words)).transpose()?;
     let (held, lacks_backlash) = held.unwrap_or_default();
-    let is_kit = read_out.is_some() || files.is(Kind::File, &kit.join(MANIFEST));
+    let is_kit = read_out.is_some() || files.is(PathEntry::File, &kit.join(MANIFEST));
     let place = ["first_table", "first_set"].into_iter();
     let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
     let name = printed(&kit);

@@ -5,9 +5,9 @@
 use crate::cli::refusals;
 use crate::cli::screen::{Detail, Screen, spoken};
 use crate::kit::manifest;
-use crate::page::{Locale, Picture, Shown, Texts};
+use crate::page::{DisplayUnit, Locale, Picture, Texts};
 use crate::text::Problems;
-use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
+use crate::visit::files::{Begun, Files, Long, NamedBytes, PathEntry, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
 use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
@@ -86,7 +86,7 @@ impl Output {
         if self.output.as_deref() == Some(Path::new("-")) && self.print.format == Format::Json {
             return Err(refusals::both_on_standard_output(what).into());
         }
-        self.place().map_or(Ok(()), |place| files.ensure(place, Kind::File, self.force))
+        self.place().map_or(Ok(()), |place| files.ensure(place, PathEntry::File, self.force))
     }
 
     /// The screen or the document, and the file; where the file goes to standard output, the screen is
@@ -118,7 +118,7 @@ impl Output {
 
     /// Refuses a directory that is not free, before anything is computed.
     pub(super) fn free_directory(&self, files: &dyn Files) -> Result<&Path, Problems> {
-        files.ensure(self.directory(), Kind::Folder, self.force)?;
+        files.ensure(self.directory(), PathEntry::Folder, self.force)?;
         Ok(self.directory())
     }
 
@@ -304,7 +304,7 @@ impl Plot {
             return Ok(outcome);
         };
         let texts = Texts::english()?;
-        let locale = Locale { texts: &texts, shown: Shown::Metric };
+        let locale = Locale { texts: &texts, shown: DisplayUnit::Metric };
         Ok(outcome.writing(files.write(place, &picture(locale).svg(locale).into_bytes(), force)?))
     }
 }

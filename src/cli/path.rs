@@ -10,7 +10,7 @@ use crate::page::{Ink, Trace};
 use crate::text::{Problem, Problems};
 use crate::visit::files::{Files, Long, or_help, plain_words};
 use crate::visit::inputs;
-use crate::visit::job_files::Given;
+use crate::visit::job_files::InputFile;
 use crate::volume::tool_path::{Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
@@ -52,7 +52,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 
 /// The page, and the samples where a file of them is asked for.
 fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), Problems> {
-    let job = Given::read(files, &options.job)?;
+    let job = InputFile::read(files, &options.job)?;
     let inputs = inputs::read_job(files, None, &job, options.tables.use_of())?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = path_map(&inputs.job, &volume);

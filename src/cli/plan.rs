@@ -10,7 +10,7 @@ use crate::machine::findings::SeparationFinding;
 use crate::quantity::{Axis, Diagonal, ErrorTerm, PerPlane, PerTerm};
 use crate::text::{Finding, Problems};
 use crate::visit::files::Files;
-use crate::visit::job_files::{Given, JobFiles};
+use crate::visit::job_files::{InputFile, JobFiles};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
-    let job = Job::read_for(Given::read(files, &options.job)?.source()?, UseOf::Plan)?;
+    let job = Job::read_for(InputFile::read(files, &options.job)?.source()?, UseOf::Plan)?;
     let named = JobFiles::new(files, job, &options.job);
     let job = &named.job;
     let times = SetUpTimes {

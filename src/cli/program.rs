@@ -9,7 +9,7 @@ use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::{Axis, Figure};
 use crate::text::{Line, Problems, Source, counted, header_and_rows};
 use crate::visit::files::{Files, printed};
-use crate::visit::job_files::{Given, JobFiles};
+use crate::visit::job_files::{InputFile, JobFiles};
 use crate::write::program::{FileRole, left_open};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -27,13 +27,13 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let directory = options.output.free_directory(files)?;
-    let file = Given::read(files, &options.job)?;
+    let file = InputFile::read(files, &options.job)?;
     let job = Job::read_for(file.source()?, UseOf::Programs)?;
     let named = JobFiles::new(files, job, &options.job);
     named.hashes.borrow_mut().push(file.hash);
     let (profile, job) = (named.profile()?, &named.job);
     let mut kit = make(job, &profile, &named.hashes.borrow())?;
-    let table = Table::of(&named, &kit);
+    let table = ReadingsTable::of(&named, &kit);
     if table.as_ref().is_some_and(|table| table.is_ready) {
         kit = kit.without_form();
     }
@@ -45,14 +45,14 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 }
 
 /// The table of readings that the job names for this run.
-struct Table {
+struct ReadingsTable {
     place: PathBuf,
     /// It has a row for each reading, so there is no other one to be filled in.
     is_ready: bool,
 }
 
-impl Table {
-    fn of(named: &JobFiles<'_>, kit: &ProgramKit) -> Option<Table> {
+impl ReadingsTable {
+    fn of(named: &JobFiles<'_>, kit: &ProgramKit) -> Option<ReadingsTable> {
         let measured = named.job.measurement.diagonals()?;
         if kit.request.what.path() != Some(measured.kind) {
             return None;
@@ -65,7 +65,7 @@ impl Table {
             |row: &Line<'_>| row.cells().last().is_none_or(|cell| cell.trim().is_empty());
         let is_ready =
             rows.is_some_and(|(_, rows)| rows.len() == kit.readings && rows.iter().all(is_empty));
-        Some(Table { place, is_ready })
+        Some(ReadingsTable { place, is_ready })
     }
 }
 
@@ -152,7 +152,7 @@ fn mirror(kit: &ProgramKit) -> Option<String> {
     ))
 }
 
-fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> String {
+fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<ReadingsTable>) -> String {
     let mut lines = Vec::new();
     for file in &kit.files {
         let purpose = match file.role {

@@ -12,11 +12,13 @@ use crate::judge::conformity::Verdict;
 use crate::kit::manifest::{MANIFEST, rounded};
 use crate::kit::{self, Inputs, generate};
 use crate::machine::separation::table::ErrorSource;
-use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
+use crate::page::{
+    Curves, DisplayUnit, Locale, PagePicture, Report, Texts, Visit, linear_document, terms,
+};
 use crate::text::{Finding, Problem, Problems, joined, json_page, template_text};
-use crate::visit::files::{Files, Kind, file_name};
+use crate::visit::files::{Files, PathEntry, file_name};
 use crate::visit::inputs;
-use crate::visit::job_files::{Given, JobFiles};
+use crate::visit::job_files::{InputFile, JobFiles};
 use clap::Args;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,8 +45,8 @@ pub(super) struct Options {
     #[arg(long, value_name = "LANGUAGE|FILE", default_value = "en")]
     language: String,
     /// Unit of lengths on the page
-    #[arg(long, value_enum, default_value_t = Shown::Metric)]
-    unit: Shown,
+    #[arg(long, value_enum, default_value_t = DisplayUnit::Metric)]
+    unit: DisplayUnit,
     /// Sign of the company (PNG, JPEG or SVG)
     #[arg(long, value_name = "FILE")]
     logo: Option<PathBuf>,
@@ -98,7 +100,7 @@ type OfJob = (Job, Visit);
 
 /// With the tables of a directory or of the job; as found where neither are there.
 fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJob, Problems> {
-    let file = Given::read(files, &options.job)?;
+    let file = InputFile::read(files, &options.job)?;
     let without_tables = options.tables.is_none();
     let is_table = without_tables && file.kind() == FileKind::Table;
     let is_found = is_table || without_tables && !states_tables(files, &file)?;
@@ -125,7 +127,7 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
 }
 
 /// Whether the job says how the points of any axis are chosen.
-fn states_tables(files: &dyn Files, file: &Given<'_>) -> Result<bool, Problems> {
+fn states_tables(files: &dyn Files, file: &InputFile<'_>) -> Result<bool, Problems> {
     let named = JobFiles::of(files, file, UseOf::Figures)?;
     Ok(named.job.compensation.axes.iter().any(|(_, axis)| axis.is_some()))
 }
@@ -184,7 +186,7 @@ impl Visit {
     }
 
     /// What a command says, under its name, and the picture of it with the part that it stands in.
-    fn add(&mut self, name: &str, of: &impl Serialize, drawn: Placed) -> Result<(), Problem> {
+    fn add(&mut self, name: &str, of: &impl Serialize, drawn: PagePicture) -> Result<(), Problem> {
         self.documents[name] = rounded(of)?;
         self.pictures.push(drawn);
         Ok(())
@@ -197,7 +199,7 @@ impl Visit {
         locale: Locale<'_>,
         file: &Path,
     ) -> Result<(), Problems> {
-        let file = Given::read(files, file)?;
+        let file = InputFile::read(files, file)?;
         let page = standards::of_axis(&file)?;
         self.linear.push(file.hash.path.clone());
         self.add(&linear_document(self.linear.len()), &page, ("linear", page.picture(locale)))?;
@@ -251,12 +253,12 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
         return shipped;
     }
     let path = Path::new(language);
-    if !files.is(Kind::File, path) {
+    if !files.is(PathEntry::File, path) {
         return Err(refusals::no_texts(language, joined(Texts::languages())).into());
     }
     let stem = path.file_stem();
     let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    Texts::read(&Given::read(files, path)?.source()?, &stem)
+    Texts::read(&InputFile::read(files, path)?.source()?, &stem)
 }
 
 fn own_template(files: &dyn Files, path: &Path) -> Result<Template, Problems> {

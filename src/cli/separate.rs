@@ -18,17 +18,17 @@ use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightRe
 use crate::machine::standards::{DiagonalFigures, Diagonals, by_standard, repeatability_um};
 use crate::page::separated;
 use crate::quantity::{
-    Axis, Diagonal, Direction, Listed, Millimetres, Pass, PathKind, PerAxis, PerDiagonal, PerTerm,
-    Run, Volume, picometres,
+    Axis, Diagonal, Direction, Millimetres, Pass, PathKind, PerAxis, PerDiagonal, PerTerm, Run,
+    Volume, Xyz, picometres,
 };
-use crate::text::{Finding, Named, Problems};
+use crate::text::{Finding, NamedEntries, Problems};
 use crate::visit::files::Files;
 use crate::visit::job_files::{CampaignFiles, read_campaign};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use words::{Found, advice, straight_screen};
+use words::{Results, advice, straight_screen};
 
 // Options of `separate`.
 #[derive(Args, Debug)]
@@ -114,7 +114,7 @@ struct AllDiagonals<'a> {
     b_d_um: Option<f64>,
     label: &'a str,
     #[serde(flatten)]
-    each: Named<Diagonal, Known<OfDiagonal<'a>>>,
+    each: NamedEntries<Diagonal, Known<OfDiagonal<'a>>>,
 }
 
 #[derive(Serialize)]
@@ -122,7 +122,7 @@ struct OfDiagonal<'a> {
     end_reading_um: f64,
     range_um: Option<f64>,
     figures_um: &'a DiagonalFigures,
-    repeatability_um: Option<Named<&'static str, Option<f64>>>,
+    repeatability_um: Option<NamedEntries<&'static str, Option<f64>>>,
     closure_largest_um: Option<f64>,
     closure_end_um: Option<f64>,
 }
@@ -147,7 +147,7 @@ struct Ends {
 }
 
 /// Of step diagonals; `advice`: what would determine what is open.
-pub(super) fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -> Known<Value> {
+pub(super) fn of_steps((of, figures, simulated): Results<'_>, advice: &[String]) -> Known<Value> {
     let (metric, closure) = (&of.metric, &of.closure);
     let (u_squareness, tilts, turn) = (metric.u_squareness(), of.tilts.as_ref(), of.turn.as_ref());
     let sigma = of.noise.map(|noise| noise.sigma_um);
@@ -166,7 +166,7 @@ pub(super) fn of_steps((of, figures, simulated): Found<'_>, advice: &[String]) -
         "redundancy": of.agreement,
         "squareness_least_squares_um_per_m": of.errors.least_squares_squareness(&of.volume),
         "setup_arcsec": tilts.map(|tilts| PerDiagonal::from_fn(|d| tilts[d].arcsec)),
-        "setup_direction": tilts.map(|tilts| PerDiagonal::from_fn(|d| Listed(tilts[d].direction))),
+        "setup_direction": tilts.map(|tilts| PerDiagonal::from_fn(|d| Xyz(tilts[d].direction))),
         "closure_um": closure.by_interval,
         "mean_closure_um": closure.mean,
         "closure_expected_um": sigma.map(|sigma| closure.scatter.times(sigma)),
@@ -221,7 +221,7 @@ pub(super) fn of_straight(
 }
 
 /// Of both directions together, and of each where they are known apart.
-fn entries(separation: &Separation) -> Named<String, Known<Entry<'_>>> {
+fn entries(separation: &Separation) -> NamedEntries<String, Known<Entry<'_>>> {
     let directed = |way: Direction| Some((way.symbol(), separation.errors.directed(way)?));
     let directed = Direction::BOTH.into_iter().filter_map(directed);
     let all = std::iter::once(("", &separation.errors.mean)).chain(directed);

@@ -12,7 +12,7 @@ use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::{Direction, ErrorTerm, Figure, Plane};
-use crate::text::{Finding, Named, Severity, joined, of_severity};
+use crate::text::{Finding, NamedEntries, Severity, joined, of_severity};
 use crate::write::compensation::Placement;
 use serde::Serialize;
 use std::fmt::Display;
@@ -276,13 +276,13 @@ pub(super) struct PlaneFigures {
 }
 
 /// A machine as it was measured, and what it was measured with where that is known.
-pub(super) type Measured<'a> = (&'a ErrorModel, Option<&'a ErrorSource>);
+pub(super) type ErrorsWithSource<'a> = (&'a ErrorModel, Option<&'a ErrorSource>);
 
 /// Of each plane that is known as found: then and, where there are tables, as left, as far as that was measured.
 pub(super) fn planes(
-    found: Measured<'_>,
-    left: Option<Option<Measured<'_>>>,
-) -> Named<&'static str, PlaneFigures> {
+    found: ErrorsWithSource<'_>,
+    left: Option<Option<ErrorsWithSource<'_>>>,
+) -> NamedEntries<&'static str, PlaneFigures> {
     let planes = Plane::ALL.into_iter().filter_map(|plane| {
         let before = squareness(found, plane)?;
         let after = left.flatten().and_then(|left| squareness(left, plane));
@@ -300,7 +300,7 @@ pub(super) fn planes(
 /// the slopes of both terms; `None` = not determined, or not both measured.
 ///
 /// limits  an error table states no uncertainty of a slope
-fn squareness((model, errors): Measured<'_>, plane: Plane) -> Option<(f64, Option<f64>)> {
+fn squareness((model, errors): ErrorsWithSource<'_>, plane: Plane) -> Option<(f64, Option<f64>)> {
     if let Some(ErrorSource::Separated { separation, .. }) = errors {
         let found = separation.metric.squareness(plane);
         return Some((found.um_per_m?, found.expanded_um_per_m()));

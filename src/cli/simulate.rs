@@ -16,7 +16,7 @@ use crate::quantity::{Figure, PathKind};
 use crate::text::{Finding, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs::{self, read_directory};
-use crate::visit::job_files::Given;
+use crate::visit::job_files::InputFile;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -70,7 +70,7 @@ const LARGEST_SCALE_UM_PER_M: f64 = 500.0;
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the readings")?;
-    let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
+    let (job, machine) = (InputFile::read(files, &options.job)?, options.machine.as_deref());
     let use_of = if options.without_tables { UseOf::Readings } else { UseOf::Tables };
     let inputs = inputs::read_job(files, machine, &job, use_of)?;
     let noise = Noise { um: options.noise_um, seed: options.seed };

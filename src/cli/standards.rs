@@ -10,11 +10,11 @@ use crate::inputs::import::stated::{
 };
 use crate::inputs::import::{encoding_word, measured_runs};
 use crate::inputs::kind::FileKind;
-use crate::inputs::target_runs::{Runs, Stated, Values};
+use crate::inputs::target_runs::{RunFacts, Runs, Values};
 use crate::quantity::{Axis, Direction};
 use crate::text::{LengthUnit, Problems};
 use crate::visit::files::Files;
-use crate::visit::job_files::Given;
+use crate::visit::job_files::InputFile;
 use clap::Args;
 pub(super) use pages::of_separation;
 use pages::{AxisPage, of_job, of_readings};
@@ -59,7 +59,7 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
-    let file = Given::read(files, &options.file)?;
+    let file = InputFile::read(files, &options.file)?;
     let input = file.kind();
     options.refuse_foreign(input)?;
     let (runs, facts) = match input {
@@ -68,7 +68,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             return of_readings(file.source()?)?.outcome(files, &options.shows);
         }
         FileKind::Table => {
-            let stated = Stated { unit: options.unit, values: options.values };
+            let stated = RunFacts { unit: options.unit, values: options.values };
             (Runs::read(&file.source()?, stated)?, Vec::new())
         }
         FileKind::Rtl => measured_runs(file.measurement(), &options.stated())?,
@@ -78,27 +78,27 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 }
 
 /// Runs of one axis, which say by themselves what they hold.
-pub(super) fn of_axis<'a>(file: &'a Given<'_>) -> Result<AxisPage<'a>, Problems> {
+pub(super) fn of_axis<'a>(file: &'a InputFile<'_>) -> Result<AxisPage<'a>, Problems> {
     let kind = file.kind();
     if kind != FileKind::Table {
         return Err(refusals::no_runs_of_axis(&file.name, kind.words()).into());
     }
-    let stated = Stated { unit: None, values: None };
+    let stated = RunFacts { unit: None, values: None };
     let runs = Runs::read(&file.source()?, stated)?;
     let name = Path::new(&file.name).file_name().and_then(OsStr::to_str).unwrap_or(&file.name);
     Ok(AxisPage::of(name, &runs, None, Vec::new())?)
 }
 
 impl Options {
-    fn stated(&self) -> stated::Stated {
-        stated::Stated {
+    fn stated(&self) -> stated::ImportFacts {
+        stated::ImportFacts {
             encoding: self.encoding,
             sign: self.sign,
             targets_run: self.targets_run,
             runs: self.runs,
             axis: self.axis,
             material_corrected: self.material_corrected,
-            ..stated::Stated::default()
+            ..stated::ImportFacts::default()
         }
     }
 

@@ -12,12 +12,12 @@ use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::OfTerm;
 use crate::judge::forecast::{Change, DiagonalForecast, Forecast, Grounds};
-use crate::kit::visit_plan::{Judged, WhatDecides};
+use crate::kit::visit_plan::{OpenFigures, WhatDecides};
 use crate::kit::{Inputs, SecondLook, Verification, remarks, second_look};
 use crate::machine::model::ErrorModel;
 use crate::page::{Locale, Picture};
 use crate::quantity::ErrorTerm;
-use crate::text::{Finding, Named, Problems, Severity, of_severity};
+use crate::text::{Finding, NamedEntries, Problems, Severity, of_severity};
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, read_directory};
 use crate::visit::second::{self, Second};
@@ -63,12 +63,12 @@ pub(super) struct Document<'a> {
     scope: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<&'a [HashedFile]>,
-    terms: Named<String, Figures<'a>>,
+    terms: NamedEntries<String, Figures<'a>>,
     max_residual_um: Option<f64>,
     max_residual_expanded_um: Option<f64>,
     max_residual_at_most_um: Option<f64>,
-    diagonals: Option<Named<String, Figures<'a>>>,
-    squareness: Named<&'static str, PlaneFigures>,
+    diagonals: Option<NamedEntries<String, Figures<'a>>>,
+    squareness: NamedEntries<&'static str, PlaneFigures>,
     causes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<Option<&'a Diagnosis>>,
@@ -169,7 +169,7 @@ impl Page<'_> {
             return None;
         }
         let job = &self.inputs.job;
-        let judged = Judged {
+        let judged = OpenFigures {
             job: &Job { acceptance: job.acceptance, ..second.job.as_ref().unwrap_or(job).clone() },
             errors: second.errors.as_ref(),
             model: self.as_left()?,
@@ -245,7 +245,7 @@ impl Page<'_> {
         grounds
     }
 
-    fn squareness(&self) -> Named<&'static str, PlaneFigures> {
+    fn squareness(&self) -> NamedEntries<&'static str, PlaneFigures> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());
         let left = self.as_left().map(|model| (model, errors));
@@ -436,7 +436,7 @@ impl Figures<'_> {
         }
     }
 
-    fn compared(lines: &[ComparedLine]) -> Named<String, Figures<'_>> {
+    fn compared(lines: &[ComparedLine]) -> NamedEntries<String, Figures<'_>> {
         lines.iter().map(|line| (line.name.clone(), Figures::Compared(line))).collect()
     }
 }

@@ -95,21 +95,21 @@ pub struct KitFacts<'a> {
     /// Whether it uses a mechanism.
     pub uses: &'a dyn Fn(Mechanism) -> bool,
     /// What stands in a list.
-    pub list: &'a dyn Fn(List) -> Listed,
+    pub list: &'a dyn Fn(List) -> ListText,
 }
 
 /// What a list tells at its step, and what stands in the annex, one line each.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Listed {
+pub struct ListText {
     /// To be done or seen.
     pub items: Vec<String>,
     /// Reasons, sources and ways around.
     pub notes: Vec<String>,
 }
 
-impl<T: ToString> From<Vec<T>> for Listed {
+impl<T: ToString> From<Vec<T>> for ListText {
     fn from(items: Vec<T>) -> Self {
-        Listed { items: items.iter().map(T::to_string).collect(), notes: Vec::new() }
+        ListText { items: items.iter().map(T::to_string).collect(), notes: Vec::new() }
     }
 }
 
@@ -124,7 +124,7 @@ pub struct Paragraph {
 
 /// Steps under one heading.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Part {
+pub struct ChecklistPart {
     title: String,
     steps: Vec<FilledStep>,
 }
@@ -135,19 +135,19 @@ struct FilledStep {
     number: String,
     text: String,
     #[serde(flatten)]
-    listed: Listed,
+    listed: ListText,
     evidence: &'static str,
     source: String,
     consequence: String,
 }
 
 /// The steps that are for this kit, numbered through.
-pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
+pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<ChecklistPart> {
+    let mut parts: Vec<ChecklistPart> = Vec::new();
     let mut number = 0;
     for step in steps.iter().filter(|step| is_for(step.when, kit)) {
         let listed = step.list.map(kit.list);
-        if listed == Some(Listed::default()) {
+        if listed == Some(ListText::default()) {
             continue;
         }
         number += 1;
@@ -165,7 +165,7 @@ pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<Part> {
         };
         match parts.last_mut() {
             Some(part) if part.title == step.part => part.steps.push(filled),
-            _ => parts.push(Part { title: step.part.clone(), steps: vec![filled] }),
+            _ => parts.push(ChecklistPart { title: step.part.clone(), steps: vec![filled] }),
         }
     }
     parts

@@ -28,7 +28,7 @@ pub use self::fact::{
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, KitFile, Template};
-pub(crate) use self::form::Listed;
+pub(crate) use self::form::PointLists;
 pub use self::form::{Form, Order, Rounding, Size, ValueForm};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub(crate) use self::linuxcnc::MOST_JOINTS;

@@ -36,7 +36,7 @@ use self::encoding::{SHA256, SOURCE, text_of};
 use self::intake::{Contents, Intake};
 use self::mapping::recognised;
 use self::reading::unlikely_reversals;
-use self::stated::{Stated, described};
+use self::stated::{ImportFacts, described};
 use crate::inputs::error_table::{self, Draft, ErrorTable};
 pub use crate::inputs::findings::ImportFinding;
 use crate::inputs::refusals;
@@ -59,7 +59,7 @@ pub struct Imported {
 }
 
 /// Reads a measurement.
-pub fn import(file: Measurement<'_>, stated: &Stated) -> Result<Imported, Problems> {
+pub fn import(file: Measurement<'_>, stated: &ImportFacts) -> Result<Imported, Problems> {
     let (source, name) = text_of(file, stated)?;
     let (format, whole) = recognised(&source, stated)?;
     let intake = Intake::of(&source, &whole, format);

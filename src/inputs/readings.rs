@@ -13,7 +13,7 @@ use crate::inputs::error_table::Remarks;
 use crate::inputs::findings::Remark;
 use crate::inputs::job::DiagonalMeasurement;
 use crate::inputs::refusals;
-use crate::inputs::table::{Column, Content, LENGTHS, Row as Cells, Table, count, named};
+use crate::inputs::table::{Column, Content, LENGTHS, Table, TableRow, count, named};
 use crate::inputs::target_runs::Values;
 use crate::quantity::{Axis, Diagonal, Millimetres, Pass, PathKind, PerAxis, Run, Volume};
 use crate::text::{Finding, Line, Notes, Problems, Source};
@@ -57,7 +57,7 @@ impl Readings {
     /// Reads a file and checks it against the path that `measured` says of it.
     fn along(
         source: Source,
-        measured: impl FnOnce(&Table<'_>, &[Row<'_>]) -> Result<DiagonalMeasurement, Problems>,
+        measured: impl FnOnce(&Table<'_>, &[ReadingRow<'_>]) -> Result<DiagonalMeasurement, Problems>,
     ) -> Result<(Readings, DiagonalMeasurement), Problems> {
         let notes = Notes::default();
         let (table, values) = table(&source, &notes)?;
@@ -127,7 +127,7 @@ impl Readings {
 }
 
 /// The rows of each walk, by ascending node.
-type Walks<'r, 'a> = BTreeMap<Walk, Vec<&'r Row<'a>>>;
+type Walks<'r, 'a> = BTreeMap<Walk, Vec<&'r ReadingRow<'a>>>;
 
 /// The walks of a file, beside the path that they shall be.
 struct Walked<'r, 'a> {
@@ -142,7 +142,7 @@ struct Walked<'r, 'a> {
 
 /// How the readings of a file were measured, as far as they show it. The box is not among it, so a box of
 /// unit cells takes its place: no figure that depends on it may be made.
-fn shown_path(table: &Table<'_>, rows: &[Row<'_>]) -> Result<DiagonalMeasurement, Problems> {
+fn shown_path(table: &Table<'_>, rows: &[ReadingRow<'_>]) -> Result<DiagonalMeasurement, Problems> {
     if let Some(column) = table.column(Content::reading(Values::Positions)) {
         return Err(table.at(column, refusals::displacements_alone()).into());
     }
@@ -238,7 +238,7 @@ impl fmt::Display for Walk {
 }
 
 /// A row whose cells could all be read.
-struct Row<'a> {
+struct ReadingRow<'a> {
     line: Line<'a>,
     walk: Walk,
     /// As in the file.
@@ -269,7 +269,7 @@ const MOVED: (&str, &str) = (
 const NEVER_FILLED_IN: &str = "a missing reading is never filled in: measure it again";
 
 /// The rows that can be read.
-fn rows<'a>(table: &Table<'a>) -> Vec<Row<'a>> {
+fn rows<'a>(table: &Table<'a>) -> Vec<ReadingRow<'a>> {
     let reading = table.find(Content::is_reading);
     let temperatures = PerAxis::from_fn(|of| table.column(Content::Temperature(of)));
     table.rows(|cells| {
@@ -289,12 +289,12 @@ fn rows<'a>(table: &Table<'a>) -> Vec<Row<'a>> {
             if cell.text.is_empty() { None } else { cell.reading("") }
         });
         let line = cells.line;
-        Some(Row { line, walk: walk?, node: node?, moved: moved?, um: um?, temperatures_c })
+        Some(ReadingRow { line, walk: walk?, node: node?, moved: moved?, um: um?, temperatures_c })
     })
 }
 
 /// The walk that a row names by its diagonal, run and direction.
-fn walk(cells: &Cells<'_, '_>) -> Option<Walk> {
+fn walk(cells: &TableRow<'_, '_>) -> Option<Walk> {
     let pass = |text: &str| Pass::BOTH.into_iter().find(|pass| pass.word() == text);
     let name = |text: &str| Diagonal::from_name(&text.to_ascii_uppercase());
     let name = cells.parsed(Content::Diagonal, None, name, DIAGONAL);

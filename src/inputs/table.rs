@@ -213,12 +213,12 @@ impl<'a> Table<'a> {
     }
 
     /// What `read` makes of each row that can be read; the problems of the others are noted.
-    pub(super) fn rows<T>(&self, mut read: impl FnMut(&Row<'_, 'a>) -> Option<T>) -> Vec<T> {
+    pub(super) fn rows<T>(&self, mut read: impl FnMut(&TableRow<'_, 'a>) -> Option<T>) -> Vec<T> {
         let width = self.header.cells().len();
         let mut rows = Vec::with_capacity(self.lines.len());
         for line in &self.lines {
             if let Some(cells) = self.notes.take(line.cells_under(width)) {
-                rows.extend(read(&Row { line: *line, table: self, cells }));
+                rows.extend(read(&TableRow { line: *line, table: self, cells }));
             }
         }
         rows
@@ -234,13 +234,13 @@ pub(super) fn count<N: FromStr + PartialOrd + From<u8>>(text: &str) -> Option<N>
 }
 
 /// The cells of one row, while it is read.
-pub(crate) struct Row<'t, 'a> {
+pub(crate) struct TableRow<'t, 'a> {
     pub(crate) line: Line<'a>,
     table: &'t Table<'a>,
     cells: Vec<Cow<'a, str>>,
 }
 
-impl Row<'_, '_> {
+impl TableRow<'_, '_> {
     /// A cell under the name of its column.
     pub(super) fn cell<'r>(&'r self, column: &'r Column) -> Cell<'r> {
         Cell { notes: self.table.notes, line: &self.line, column, text: &self.cells[column.index] }

@@ -50,7 +50,7 @@ pub(crate) fn small_um(targets_mm: impl IntoIterator<Item = f64>) -> f64 {
 
 /// What a person says about a file beside its header.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stated {
+pub struct RunFacts {
     /// Unit of the columns whose names have none.
     pub unit: Option<LengthUnit>,
     /// What the run columns hold, where their names do not say it.

@@ -16,7 +16,9 @@ pub(crate) use self::ground::{
     ensure_same_machine, not_known, outside, same_slopes, unseen_reversal,
 };
 pub(crate) use self::measurement::observations;
-pub use self::measurement::{AfterMeasurement, Observation, Part, StraightRuns, before_um};
+pub use self::measurement::{
+    AfterMeasurement, Observation, SeenDeviation, StraightRuns, before_um,
+};
 
 use self::ground::{common_terms, nine_terms_over};
 use crate::inputs::error_table::Cause;
@@ -247,7 +249,7 @@ fn along_run(
     control: Option<&Field>,
     seen: &[Observation],
 ) {
-    let span = |of: &dyn Fn(&Part) -> Option<f64>| {
+    let span = |of: &dyn Fn(&SeenDeviation) -> Option<f64>| {
         let along = seen.iter().filter(|o| o.diagonal.is_some_and(|d| d.name() == line.name));
         let values: Vec<f64> = along.map(|o| o.predicted(of)).collect::<Option<_>>()?;
         let low = values.iter().copied().reduce(f64::min)?;

@@ -25,7 +25,7 @@ mod data;
 mod decide;
 mod hypotheses;
 
-pub use self::change::{Corrected, Question, Slip};
+pub use self::change::{Question, Slip, WithoutSlip};
 pub use self::data::Basis;
 
 use self::change::{Change, Scope, Terms};

@@ -23,7 +23,9 @@ pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_ga
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
 use crate::judge::field::Field;
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty, Range, within};
+use crate::machine::model::{
+    ErrorModel, MeasuredTerm, PointUncertainty, Range, TermCurves, within,
+};
 use crate::quantity::{
     AT_PLACE_MM, Axis, Diagonal, Direction, ErrorCurve, ErrorTerm, Millimetres, Pass, PerAxis,
     Squared, Volume, ends, larger,
@@ -94,11 +96,11 @@ pub fn forecast(
     forecast.bounded(Basis::Forecast)
 }
 
-const fn one_way(measured: &Measured) -> Option<Option<Direction>> {
+const fn one_way(measured: &TermCurves) -> Option<Option<Direction>> {
     match measured {
-        Measured::BothWays { .. } => None,
-        Measured::OneWay(direction, _) => Some(Some(*direction)),
-        Measured::Undirected(_) => Some(None),
+        TermCurves::BothWays { .. } => None,
+        TermCurves::OneWay(direction, _) => Some(Some(*direction)),
+        TermCurves::Undirected(_) => Some(None),
     }
 }
 
@@ -228,7 +230,7 @@ fn along_diagonals(
     let Some(measured_box) = measured_box(model, judged) else {
         return Vec::new();
     };
-    let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));
+    let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, TermCurves::OneWay(..));
     if model.measured().count() < ErrorTerm::ALL.len() || model.measured().any(one_way) {
         // A diagonal travels some axis in the direction that was not measured.
         return Vec::new();

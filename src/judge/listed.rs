@@ -1,8 +1,8 @@
 //! What was read out of controls whose tables list their points one by one (declared, LinuxCNC, ISG kernel), against a
 //! job and against a kit. The files that were kept are the rollback.
 
-use crate::control::controller::{ControlUnit, DeclaredFacts, IsgFacts, LinuxcncFacts, Listed};
-use crate::control::table::isg::{Curve, IsgTables};
+use crate::control::controller::{ControlUnit, DeclaredFacts, IsgFacts, LinuxcncFacts, PointLists};
+use crate::control::table::isg::{IsgCurve, IsgTables};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::judge::active::ReadOutReader;
 use crate::judge::disagreement::{Entries, Entry, Item, Value};
@@ -74,7 +74,7 @@ fn own(tables: &Tables) -> &[ListedTable] {
 }
 
 /// Point by point what tables hold, of which the first one has this number, and the name of their set.
-fn entries(facts: &impl Listed, side: &Side<'_>, first_point: u32) -> Entries {
+fn entries(facts: &impl PointLists, side: &Side<'_>, first_point: u32) -> Entries {
     let of_table = |table: &ListedTable| {
         let told = side.tells(&table.base, &table.output);
         let name = facts.table_name(table);
@@ -207,7 +207,7 @@ impl Family for IsgFacts {
             let item = ("list".to_string(), Item::Name(key));
             (item, Entry { value: Value::Text(value), alone: true, differing: true })
         });
-        let of_curve = |curve: &Curve| {
+        let of_curve = |curve: &IsgCurve| {
             let block = curve.parameter.to_string();
             let pair = curve.parameter.pair();
             let told = pair.is_none_or(|(base, output)| side.tells(&name(base), &name(output)));

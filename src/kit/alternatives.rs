@@ -8,7 +8,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Machine, forecast, judged_ranges};
 use crate::kit::inputs::{Inputs, judged};
-use crate::kit::loaded::Made;
+use crate::kit::loaded::BareKit;
 use crate::quantity::{Axis, ErrorTerm, PerAxis, larger};
 use crate::text::{Finding, Problems, Word, findings, joined, words};
 use serde::Serialize;
@@ -65,7 +65,7 @@ impl Alternative {
         change: impl FnOnce(&mut Compensation),
     ) -> Result<Alternative, Problems> {
         let inputs = inputs.asking_for(change)?;
-        let Made { compiled, forecast, verdict, .. } = Made::of(&inputs)?;
+        let BareKit { compiled, forecast, verdict, .. } = BareKit::of(&inputs)?;
         let (terms, diagonals) = (forecast.terms.iter(), forecast.diagonals.iter());
         Ok(Alternative {
             backlash: inputs.job.compensation.backlash,
@@ -228,7 +228,7 @@ impl Left {
 }
 
 /// The ways to another answer; none where the kit keeps its limit and nothing was active.
-pub(super) fn ways(made: &Made<'_>) -> Vec<Finding> {
+pub(super) fn ways(made: &BareKit<'_>) -> Vec<Finding> {
     if made.inputs.job.acceptance.asks_nothing() {
         return Vec::new();
     }
@@ -241,7 +241,7 @@ pub(super) fn ways(made: &Made<'_>) -> Vec<Finding> {
 }
 
 /// What keeps single terms from their limit: points too far apart, no table.
-fn of_terms(made: &Made<'_>) -> Option<impl Iterator<Item = Way>> {
+fn of_terms(made: &BareKit<'_>) -> Option<impl Iterator<Item = Way>> {
     let limit_um = made.inputs.job.acceptance.max_deviation_um?;
     let grid_um = |term: ErrorTerm| {
         let own = made.compiled.placements.iter().filter(|p| p.term == term);
@@ -258,7 +258,7 @@ fn of_terms(made: &Made<'_>) -> Option<impl Iterator<Item = Way>> {
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.
-fn as_found(made: &Made<'_>) -> Option<Way> {
+fn as_found(made: &BareKit<'_>) -> Option<Way> {
     let inputs = made.inputs;
     inputs.under_tables.as_ref()?;
     let model = inputs.as_measured();
@@ -270,7 +270,7 @@ fn as_found(made: &Made<'_>) -> Option<Way> {
 
 /// The policies that come to a better verdict, or leave less where the limit is exceeded, the best first.
 /// What the control refuses is no way.
-fn policies(made: &Made<'_>) -> Vec<Way> {
+fn policies(made: &BareKit<'_>) -> Vec<Way> {
     let asked = made.inputs.job.acceptance;
     let excess_um = |forecast: &Forecast| Left::of(forecast, asked).excess_um(asked);
     let own_um = excess_um(&made.forecast);

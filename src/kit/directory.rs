@@ -2,7 +2,7 @@
 //! says against it.
 
 use super::simulate::rehearsed;
-use super::{Asked, Inputs, Loaded, Verification, sha256, verify, verify_read_out};
+use super::{Inputs, JobTables, Loaded, Verification, sha256, verify, verify_read_out};
 use crate::control::controller::{KitFile, Profile, Role};
 use crate::judge::active::{
     ActiveControl, Fault, HashedFile, KitManifest, ReadOutFor, State, faults, from_read_out,
@@ -11,7 +11,9 @@ use crate::judge::findings::{FileFault, InControl};
 use crate::kit::findings::InDirectory;
 use crate::kit::refusals;
 use crate::read::{is_whole, may_be_meant_for};
-use crate::text::{Finding, Kind, Problem, Problems, Severity, json_page, of_severity, shown};
+use crate::text::{
+    Finding, FindingKind, Problem, Problems, Severity, json_page, of_severity, shown,
+};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -87,7 +89,7 @@ impl Directory {
     /// The files in the emulated control of the job, with what the manifest says against them.
     pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
         let active = self.read_out(inputs)?;
-        let loaded = Asked::of(inputs).and_then(|asked| match active {
+        let loaded = JobTables::of(inputs).and_then(|asked| match active {
             Some(active) => Loaded::read_out(asked, &active),
             None => Loaded::kit(asked, &self.files, self.state()),
         });
@@ -114,7 +116,7 @@ impl Directory {
     /// The same for a rehearsal: what the manifest says against the files is a note.
     pub(crate) fn rehearse<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
         let mut loaded = match self.read_out(inputs)? {
-            Some(active) => Loaded::read_out(Asked::of(inputs)?, &active)?,
+            Some(active) => Loaded::read_out(JobTables::of(inputs)?, &active)?,
             None => rehearsed(inputs, &self.files, self.state())
                 .map_err(|problems| self.instead_of(problems))?,
         };

@@ -10,7 +10,7 @@
 
 mod proofs;
 
-use crate::control::checklist::{KitFacts, List, Listed, Paragraph, parts};
+use crate::control::checklist::{KitFacts, List, ListText, Paragraph, parts};
 use crate::control::claims::{Assumption, Precondition, SeenTo, shared};
 use crate::control::controller::{KitFile, Mechanism, Role};
 use crate::judge::active::Origin;
@@ -20,22 +20,22 @@ use crate::judge::family::{Before, ChangedBy, Old, family};
 use crate::judge::field::{Field, Pair};
 use crate::judge::forecast::{self, Miss};
 use crate::kit::findings::{FieldFault, InRollback, KitFinding};
-use crate::kit::inputs::{Asked, Inputs, remarks};
-use crate::kit::loaded::Made;
+use crate::kit::inputs::{Inputs, JobTables, remarks};
+use crate::kit::loaded::BareKit;
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres, PerAxis};
 use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::read::{ReadBack, emulator, read_apart};
 use crate::text::{BLANK, BOX, Finding, Problems, grouped, joined};
 use crate::write::compensation::{Compiled, displayed, uses};
-use crate::write::emit::{self, Emitted, Words};
+use crate::write::emit::{self, FileSource, Words};
 use crate::write::findings::TableFinding;
 use crate::write::sign_proof::sign_proofs;
+pub(super) use proofs::ProofFigures;
 use proofs::Proofs;
-pub(super) use proofs::Shown;
 
 /// Adds the field kit to a kit, and to its notes the mechanisms without a sign proof and a rollback that is not whole;
 /// refused unless every file reads back to what was meant. What each sign proof has to show is for the manifest.
-pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Shown>, Problems> {
+pub(super) fn add(made: &mut BareKit<'_>) -> Result<Vec<ProofFigures>, Problems> {
     let Proofs { shown, files, missing } = Proofs::of(made)?;
     let mut rollback = rollback(made)?;
     let note = rollback.note();
@@ -51,8 +51,8 @@ pub(super) fn add(made: &mut Made<'_>) -> Result<Vec<Shown>, Problems> {
 
 /// The steps at the machine, as pages.
 fn checklist(
-    made: &Made<'_>,
-    shown: &[Shown],
+    made: &BareKit<'_>,
+    shown: &[ProofFigures],
     rollback: &Rollback,
 ) -> Result<Vec<KitFile>, Problems> {
     let movement = switching(made)?;
@@ -89,7 +89,10 @@ fn checklist(
 }
 
 /// How the files of a directory that stand apart differ from those of the job.
-pub(super) fn differences(asked: &Asked<'_>, files: &[KitFile]) -> Result<Vec<Finding>, Problems> {
+pub(super) fn differences(
+    asked: &JobTables<'_>,
+    files: &[KitFile],
+) -> Result<Vec<Finding>, Problems> {
     let inputs = asked.inputs;
     let mut found: Vec<Finding> = Vec::new();
     let proved = proof_files(inputs, files);
@@ -134,7 +137,7 @@ fn proof_files(inputs: &Inputs, files: &[KitFile]) -> Vec<(Option<Mechanism>, Ve
 const MOST: usize = 3;
 
 /// What stands above the steps.
-fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
+fn head(made: &BareKit<'_>, misses: &[Miss]) -> Vec<Paragraph> {
     let remarks = &made.inputs.model.remarks;
     let simulated = remarks.simulated().map(|note| format!("**{note}**"));
     let doubts = made.doubts.iter().map(|doubt| format!("**INCONSISTENT:** {doubt}"));
@@ -143,19 +146,19 @@ fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
 }
 
 /// What was printed when the kit was made, for the person who has only this page; it stands in the annex.
-fn about(made: &Made<'_>, misses: &[Miss]) -> Vec<String> {
+fn about(made: &BareKit<'_>, misses: &[Miss]) -> Vec<String> {
     let misses = misses.iter().map(ToString::to_string);
     misses.chain(remarks(&made.plan, &made.compiled, Some(&made.forecast))).collect()
 }
 
 /// What misses the acceptance, the worst first.
-fn misses(made: &Made<'_>) -> Vec<Miss> {
+fn misses(made: &BareKit<'_>) -> Vec<Miss> {
     let mut misses = made.forecast.misses(made.inputs.job.acceptance);
     misses.sort_by(Miss::worst_first);
     misses
 }
 
-fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
+fn verdict(made: &BareKit<'_>, misses: &[Miss]) -> Paragraph {
     if made.verdict == Verdict::Pass && made.inputs.job.acceptance.asks_nothing() {
         let text = "Verdict: no acceptance is stated in the job, so there is nothing to judge.";
         return Paragraph { text: text.to_string(), items: Vec::new() };
@@ -176,7 +179,7 @@ fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
 /// Largest movement of each physical axis when the tables are switched, all base axes at their
 /// worst place: a bound, not a place. Backlash parameters are not switched with the tables, but what a
 /// table holds for one direction is (3627 on Fanuc).
-fn switching(made: &Made<'_>) -> Emulated<Vec<String>> {
+fn switching(made: &BareKit<'_>) -> Emulated<Vec<String>> {
     let (names, tables) = (&made.plan.names, &made.plan.tables);
     let mut state = made.compiled.state.clone();
     state.axes.iter_mut().for_each(|axis| axis.backlash_um = 0.0);
@@ -222,14 +225,14 @@ fn extremes(response: &Response, reference: Option<Millimetres>) -> (f64, f64) {
 }
 
 /// Where each term goes: what is overwritten.
-fn places(made: &Made<'_>) -> Listed {
+fn places(made: &BareKit<'_>) -> ListText {
     let placements = made.compiled.placements.iter();
     let places = placements.map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points));
     vec![places.collect::<Vec<_>>().join("; ")].into()
 }
 
 /// At the step what is overwritten, replaced or moves an axis; in the annex what only has to be compared.
-fn preconditions(compiled: &Compiled) -> Listed {
+fn preconditions(compiled: &Compiled) -> ListText {
     let list = shared(&compiled.preconditions);
     let of = |when: SeenTo| list.iter().filter(move |(_, p)| p.when == when);
     type Shared<'a> = (String, &'a Precondition);
@@ -249,7 +252,7 @@ fn preconditions(compiled: &Compiled) -> Listed {
     let items = of(SeenTo::Danger).map(danger).chain(boxed).chain(of(SeenTo::Entered).map(item));
     let notes = of(SeenTo::Before).map(must);
     let notes = notes.chain(of(SeenTo::Danger).chain(of(SeenTo::Boxed)).map(source));
-    Listed {
+    ListText {
         items: items.chain(references_off(compiled)).collect(),
         notes: notes.chain(of(SeenTo::Entered).map(why)).collect(),
     }
@@ -269,12 +272,12 @@ fn entered(compiled: &Compiled, how: impl Fn(&Precondition) -> String) -> Vec<St
 }
 
 /// What is assumed of the control and matters for this kit: at the step what has to be decided, with a box each.
-fn assumptions(compiled: &Compiled) -> Listed {
+fn assumptions(compiled: &Compiled) -> ListText {
     let list = compiled.assumptions.iter().filter(|a| a.without_effect.is_none());
     let (open, known): (Vec<&Assumption>, Vec<&Assumption>) = list.partition(|a| a.to_decide);
     let decide =
         |a: &&Assumption| format!("{BOX} **DECIDE,** assumed: {}; found: {BLANK}", a.words());
-    Listed {
+    ListText {
         items: open.iter().map(decide).collect(),
         notes: known.iter().map(|a| a.words()).collect(),
     }
@@ -317,7 +320,7 @@ impl Rollback {
 }
 
 /// Makes the rollback files of a kit.
-fn rollback(made: &Made<'_>) -> Result<Rollback, Problems> {
+fn rollback(made: &BareKit<'_>) -> Result<Rollback, Problems> {
     let inputs = made.inputs;
     let wanted = |role: Role| inputs.profile.files.iter().any(|f| f.role == role);
     if !wanted(Role::Rollback) {
@@ -341,12 +344,12 @@ fn rollback(made: &Made<'_>) -> Result<Rollback, Problems> {
 impl Before<'_> {
     /// The files, read back, with what they do not do.
     fn written(&self, old: &Old) -> Result<Rollback, Problems> {
-        let emitted = Emitted {
+        let emitted = FileSource {
             tables: &old.tables,
             placements: &[],
             notice: Some("ROLLBACK: values as read out of the control before this kit"),
             as_read: true,
-            ..Emitted::of_kit(self.task, self.compiled)
+            ..FileSource::of_kit(self.task, self.compiled)
         };
         let files = emit::render_those(&emitted, |file| file.role == Role::Rollback)?;
         let read = read_apart(self.task.profile, &files, Role::Rollback);
@@ -407,8 +410,11 @@ fn moved(before: &Before<'_>, control: &dyn Emulator) -> Emulated<Vec<InRollback
 }
 
 /// Rollback files of a directory against what the job's read-out holds.
-fn rollback_differs(asked: &Asked<'_>, files: &[KitFile]) -> Result<Option<FieldFault>, Problems> {
-    let Asked { inputs, plan, compiled } = asked;
+fn rollback_differs(
+    asked: &JobTables<'_>,
+    files: &[KitFile],
+) -> Result<Option<FieldFault>, Problems> {
+    let JobTables { inputs, plan, compiled } = asked;
     if !files.iter().any(|file| file.role == Role::Rollback) {
         return Ok(None);
     }

@@ -9,7 +9,7 @@ use crate::judge::family::family;
 use crate::judge::field::Field;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::refusals;
-use crate::kit::visit_plan::Judged;
+use crate::kit::visit_plan::OpenFigures;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, rounded};
@@ -131,9 +131,9 @@ impl Inputs {
     }
 
     /// A forecast of what was measured, to be decided.
-    pub(crate) fn judged<'a>(&'a self, figures: &'a Forecast) -> Judged<'a> {
+    pub(crate) fn judged<'a>(&'a self, figures: &'a Forecast) -> OpenFigures<'a> {
         let (job, errors, model) = (&self.job, Some(&self.errors), self.as_measured());
-        Judged { job, errors, model, figures, expected: None }
+        OpenFigures { job, errors, model, figures, expected: None }
     }
 
     /// The machine as measured and without compensation.
@@ -161,17 +161,17 @@ impl Inputs {
 }
 
 /// What a job asks of its control.
-pub(crate) struct Asked<'a> {
+pub(crate) struct JobTables<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) plan: Plan,
     pub(crate) compiled: Compiled,
 }
 
-impl Asked<'_> {
+impl JobTables<'_> {
     /// The plan of a job, and what it compiles to.
-    pub(crate) fn of(inputs: &Inputs) -> Result<Asked<'_>, Problems> {
+    pub(crate) fn of(inputs: &Inputs) -> Result<JobTables<'_>, Problems> {
         let plan = plan(inputs.task())?;
-        Ok(Asked { inputs, compiled: inputs.compile(&plan)?, plan })
+        Ok(JobTables { inputs, compiled: inputs.compile(&plan)?, plan })
     }
 }
 

@@ -16,7 +16,7 @@ use crate::judge::field::Field;
 use crate::judge::findings::{InControl, not_emulated};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::findings::KitFinding;
-use crate::kit::inputs::{Asked, Inputs, judged};
+use crate::kit::inputs::{Inputs, JobTables, judged};
 use crate::kit::refusals;
 use crate::quantity::{Axis, rounded};
 use crate::read::emulate::{Emulated, Emulator};
@@ -30,7 +30,7 @@ use crate::write::target::wants;
 /// A control with tables in it, beside what the job asks of it.
 pub struct Loaded<'a> {
     /// What the job asks for.
-    pub(crate) asked: Asked<'a>,
+    pub(crate) asked: JobTables<'a>,
     /// What the files hold.
     pub(crate) tables: Tables,
     /// The control outside the tables, as it goes with the files.
@@ -49,7 +49,7 @@ pub struct Loaded<'a> {
 impl<'a> Loaded<'a> {
     /// Tables in a control of this state, of which nothing else is known.
     fn with(
-        asked: Asked<'a>,
+        asked: JobTables<'a>,
         tables: Tables,
         (state, findings): Outside,
         control: Emulated<Box<dyn Emulator>>,
@@ -60,7 +60,7 @@ impl<'a> Loaded<'a> {
 
     /// The files of a kit; `named` = `state` of their manifest. Everything that they hold counts.
     pub(super) fn kit(
-        asked: Asked<'a>,
+        asked: JobTables<'a>,
         files: &[KitFile],
         named: Option<&State>,
     ) -> Result<Loaded<'a>, Problems> {
@@ -69,14 +69,14 @@ impl<'a> Loaded<'a> {
     }
 
     /// The files that were made for the job, in the control that it describes.
-    pub(super) fn own(asked: Asked<'a>, files: &[KitFile]) -> Result<Loaded<'a>, Problems> {
+    pub(super) fn own(asked: JobTables<'a>, files: &[KitFile]) -> Result<Loaded<'a>, Problems> {
         let outside = (asked.compiled.state.clone(), Vec::new());
         Loaded::files(asked, files, outside)
     }
 
     /// The files of a kit, with the control outside them.
     fn files(
-        asked: Asked<'a>,
+        asked: JobTables<'a>,
         files: &[KitFile],
         (state, of_state): Outside,
     ) -> Result<Loaded<'a>, Problems> {
@@ -93,7 +93,7 @@ impl<'a> Loaded<'a> {
     }
 
     /// The control of a job with its tables as they were compiled; `files`: those that no reader takes.
-    pub(super) fn compiled(asked: Asked<'a>, files: &[KitFile]) -> Loaded<'a> {
+    pub(super) fn compiled(asked: JobTables<'a>, files: &[KitFile]) -> Loaded<'a> {
         let profile = &asked.inputs.profile;
         let Compiled { tables, state, .. } = asked.compiled.clone();
         let (unread, control) = (unread(profile, files), emulator(profile, &tables, &state));
@@ -102,10 +102,10 @@ impl<'a> Loaded<'a> {
 
     /// What was read out of a control, judged by what it does to the job's axes.
     pub(super) fn read_out(
-        asked: Asked<'a>,
+        asked: JobTables<'a>,
         active: &ActiveControl,
     ) -> Result<Loaded<'a>, Problems> {
-        let Asked { inputs, plan, compiled } = &asked;
+        let JobTables { inputs, plan, compiled } = &asked;
         let (state, of_state) = read_out_state(&asked, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
         let wanted = with(&compiled.tables, &compiled.state)?;
@@ -139,13 +139,13 @@ impl<'a> Loaded<'a> {
 
     /// The same of a control.
     pub(super) fn field(&self, control: &dyn Emulator) -> Emulated<Field> {
-        let Asked { inputs, plan, .. } = &self.asked;
+        let JobTables { inputs, plan, .. } = &self.asked;
         Field::of(&plan.names, control, |term| inputs.model.terms[term].is_some())
     }
 
     /// What the tables will leave in the control.
     pub(super) fn forecast(&self, effect: &Field) -> Forecast {
-        let Asked { inputs, plan, .. } = &self.asked;
+        let JobTables { inputs, plan, .. } = &self.asked;
         forecast(inputs.machine(), plan, effect, &judged_ranges(&inputs.job, inputs.as_measured()))
     }
 
@@ -160,8 +160,11 @@ impl<'a> Loaded<'a> {
 
 /// How files differ from what was compiled: what the tables do to the axes first, then what else
 /// the files hold; and the control that they would make, or why there is none.
-fn differences(asked: &Asked<'_>, read: &ReadBack) -> (Vec<Finding>, Emulated<Box<dyn Emulator>>) {
-    let Asked { inputs, plan, compiled } = asked;
+fn differences(
+    asked: &JobTables<'_>,
+    read: &ReadBack,
+) -> (Vec<Finding>, Emulated<Box<dyn Emulator>>) {
+    let JobTables { inputs, plan, compiled } = asked;
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
     let contents = |diagnosis| contents::contents(profile, compiled, read, diagnosis);
@@ -191,7 +194,7 @@ type Outside = (ControlState, Vec<Finding>);
 
 /// The control of a job with the backlash parameters of a kit; `named` = `state` of its manifest,
 /// `None` where there is none, so that only the job says what they are.
-fn loaded_state(asked: &Asked<'_>, named: Option<&State>) -> Outside {
+fn loaded_state(asked: &JobTables<'_>, named: Option<&State>) -> Outside {
     outside(asked, |axis, wanted| {
         match named.and_then(|state| state.axis(&axis.name)) {
             Some(entry) => take(axis, "the kit was made for", entry.backlash_um, wanted),
@@ -204,7 +207,7 @@ fn loaded_state(asked: &Asked<'_>, named: Option<&State>) -> Outside {
 
 /// The same with the backlash parameters that were read out of the control. One that the job does
 /// not ask for acts as it did while measuring.
-fn read_out_state(asked: &Asked<'_>, control: &ActiveControl) -> Outside {
+fn read_out_state(asked: &JobTables<'_>, control: &ActiveControl) -> Outside {
     let parameter = asked.inputs.profile.family.backlash_parameter;
     outside(asked, |state, wanted| {
         let axis = state.name.clone();
@@ -224,7 +227,7 @@ fn read_out_state(asked: &Asked<'_>, control: &ActiveControl) -> Outside {
 }
 
 fn outside(
-    asked: &Asked<'_>,
+    asked: &JobTables<'_>,
     judged: impl Fn(&mut AxisState, Option<f64>) -> Option<InControl>,
 ) -> Outside {
     let mut state = asked.compiled.state.clone();
@@ -285,7 +288,7 @@ pub(super) fn named_backlash(
 // The files of a kit, read back, with what they will leave.
 
 /// A kit without what is written beside its tables.
-pub(crate) struct Made<'a> {
+pub(crate) struct BareKit<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) plan: Plan,
     pub(crate) compiled: Compiled,
@@ -301,23 +304,23 @@ pub(crate) struct Made<'a> {
     pub(crate) doubts: Vec<Finding>,
 }
 
-impl Made<'_> {
+impl BareKit<'_> {
     /// Refused unless every file reads back to exactly what was meant.
-    pub(super) fn of(inputs: &Inputs) -> Result<Made<'_>, Problems> {
-        let asked = Asked::of(inputs)?;
+    pub(super) fn of(inputs: &Inputs) -> Result<BareKit<'_>, Problems> {
+        let asked = JobTables::of(inputs)?;
         let files = emit::render(inputs.task(), &asked.compiled)?;
         let loaded = Loaded::own(asked, &files).map_err(not_read_back)?;
         ensure_same(&loaded)?;
         let effect = loaded.effect()?;
         let forecast = loaded.forecast(&effect);
-        let Asked { plan, mut compiled, .. } = loaded.asked;
+        let JobTables { plan, mut compiled, .. } = loaded.asked;
         compiled.notes.extend(loaded.findings);
         if inputs.profile.comments.value.are_allowed() {
             compiled.notes.extend(emit::other_letters(&inputs.job, &inputs.profile.name));
         }
         let doubts = [doubts(inputs), loaded.unread.into_iter().collect()].concat();
         let verdict = judged(&forecast, inputs, &doubts);
-        Ok(Made { inputs, plan, compiled, files, effect, forecast, verdict, doubts })
+        Ok(BareKit { inputs, plan, compiled, files, effect, forecast, verdict, doubts })
     }
 
     pub(crate) fn task(&self) -> Task<'_> {

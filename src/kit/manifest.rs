@@ -5,11 +5,11 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::judge::active::{HashedFile, Machine, Predecessor, State};
 use crate::judge::forecast::{Change, Forecast};
-use crate::kit::field::Shown;
+use crate::kit::field::ProofFigures;
 use crate::kit::refusals;
 use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::{ErrorTerm, Millimetres, picometres};
-use crate::text::{Finding, Named, Problem, plain, refuse_large_page};
+use crate::text::{Finding, NamedEntries, Problem, plain, refuse_large_page};
 use crate::write::compensation::Placement;
 use crate::write::target::Omission;
 use serde::Serialize;
@@ -101,7 +101,7 @@ pub struct Manifest {
     pub machine: Machine,
     /// What each sign proof has to show, computed from the bytes of its file; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub sign_proofs: Vec<Shown>,
+    pub sign_proofs: Vec<ProofFigures>,
     /// What keeps a limit from being decided, and what would decide it; absent where it passes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub what_decides: Option<WhatDecides>,
@@ -118,11 +118,11 @@ pub struct ForecastFigures {
     max_residual_um: f64,
     max_residual_expanded_um: Option<f64>,
     max_residual_at_most_um: Option<f64>,
-    terms: Named<ErrorTerm, Change>,
+    terms: NamedEntries<ErrorTerm, Change>,
     /// Stretches of tables that nobody measured.
-    unmeasured_mm: Named<&'static str, Vec<(Millimetres, Millimetres)>>,
+    unmeasured_mm: NamedEntries<&'static str, Vec<(Millimetres, Millimetres)>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    diagonals: Option<Named<&'static str, Change>>,
+    diagonals: Option<NamedEntries<&'static str, Change>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     without_reversal_um: Option<f64>,
 }

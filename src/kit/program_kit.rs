@@ -17,7 +17,7 @@ use crate::read::program::walk::{
     self as readback_positions, Bounds, Position, Walked, form_differences, walk,
 };
 use crate::read::program::{Cancelled, OwnWords, read};
-use crate::text::{Finding, Named, Problems};
+use crate::text::{Finding, NamedEntries, Problems};
 use crate::write::emit::{TOOL, other_letters};
 use crate::write::program::{
     FileRole, MeasuringRun, MirrorSize, ProgramFile, RunTask, SetUpProgram, plan, positions,
@@ -43,8 +43,8 @@ pub struct ProgramKit {
     /// How many readings are taken.
     pub readings: usize,
     duration_s: f64,
-    reach_mm: Named<&'static str, (f64, f64)>,
-    mirror_mm: Option<Named<&'static str, f64>>,
+    reach_mm: NamedEntries<&'static str, (f64, f64)>,
+    mirror_mm: Option<NamedEntries<&'static str, f64>>,
     /// Facts of the profile that nobody has shown yet.
     pub assumptions: Vec<Assumption>,
     /// What a person has to see to.
@@ -74,7 +74,7 @@ fn listed((file, program): (&ProgramFile, Option<&SetUpProgram>)) -> Value {
 }
 
 /// Sizes on the mirror, to a micrometre.
-fn on_mirror(size: MirrorSize) -> Named<&'static str, f64> {
+fn on_mirror(size: MirrorSize) -> NamedEntries<&'static str, f64> {
     let [first, second] = size.excursion_mm;
     let (farthest, circle) = (("farthest", size.farthest_mm), ("circle", size.circle_mm));
     let all = [("after_first_move", first), ("after_second_move", second), farthest, circle];

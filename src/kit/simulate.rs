@@ -27,7 +27,7 @@ use crate::judge::field::Field;
 use crate::judge::findings::InControl;
 use crate::kit::findings::InRehearsal;
 use crate::kit::refusals;
-use crate::kit::{Asked, Inputs, Loaded};
+use crate::kit::{Inputs, JobTables, Loaded};
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::{
@@ -98,7 +98,7 @@ pub fn rehearsed<'a>(
 ) -> Result<Loaded<'a>, Problems> {
     let task = inputs.task();
     let plan = plan(task)?;
-    let asked = Asked { inputs, compiled: compile(task, &plan)?, plan };
+    let asked = JobTables { inputs, compiled: compile(task, &plan)?, plan };
     let mut loaded = Loaded::kit(asked, files, named)?;
     let parameter = |axis: Axis| {
         let name = loaded.asked.plan.names[axis].first()?;

@@ -1,12 +1,12 @@
 //! The bytes of a directory, judged against a job, and a measurement with them active.
 
-use super::inputs::{Asked, Inputs, judged};
+use super::inputs::{Inputs, JobTables, judged};
 use super::loaded::{Loaded, doubts};
 use crate::control::controller::KitFile;
 use crate::inputs::job::Job;
 use crate::judge::active::{ActiveControl, State};
 use crate::judge::after::{AfterMeasurement, Comparison, compare, observations, unseen_reversal};
-use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
+use crate::judge::causes::{Diagnosis, Question, WithoutSlip, diagnose};
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
 use crate::judge::findings::not_emulated;
@@ -44,7 +44,7 @@ pub fn verify<'a>(
     named: Option<&State>,
     before: Vec<Finding>,
 ) -> Result<Verification<'a>, Problems> {
-    let loaded = Loaded::kit(Asked::of(inputs)?, files, named)?;
+    let loaded = Loaded::kit(JobTables::of(inputs)?, files, named)?;
     let wanted = &loaded.asked.compiled;
     emulator(&inputs.profile, &wanted.tables, &wanted.state)?;
     let field = field::differences(&loaded.asked, files)?;
@@ -58,7 +58,7 @@ pub fn verify_read_out<'a>(
     inputs: &'a Inputs,
     control: &ActiveControl,
 ) -> Result<Verification<'a>, Problems> {
-    let loaded = Loaded::read_out(Asked::of(inputs)?, control)?;
+    let loaded = Loaded::read_out(JobTables::of(inputs)?, control)?;
     let findings = loaded.findings.clone();
     Ok(Verification::of(loaded, findings))
 }
@@ -66,7 +66,7 @@ pub fn verify_read_out<'a>(
 /// Judges the tables of a job as those of its kit are. No file is made for the control and nothing is read back: the tables are
 /// those as compiled, which [`generate`](super::generate) refuses to write unless its files read back to exactly them.
 pub fn forecast(inputs: &Inputs) -> Result<Verification<'_>, Problems> {
-    let asked = Asked::of(inputs)?;
+    let asked = JobTables::of(inputs)?;
     let files = emit::render_unread(inputs.task(), &asked.compiled)?;
     Ok(Verification::of(Loaded::compiled(asked, &files), Vec::new()))
 }
@@ -137,16 +137,16 @@ pub struct SecondLook {
 pub(crate) fn second_look(
     verification: &Verification<'_>,
     measured: &AfterMeasurement,
-    corrected: impl FnOnce() -> Result<Vec<Corrected>, Problems>,
+    corrected: impl FnOnce() -> Result<Vec<WithoutSlip>, Problems>,
 ) -> Result<SecondLook, Problems> {
-    let Asked { inputs, plan, .. } = &verification.loaded.asked;
+    let JobTables { inputs, plan, .. } = &verification.loaded.asked;
     let (control, forecast) = (verification.effect.as_ref(), verification.forecast.as_ref());
     let (machine, job) = (inputs.machine(), &inputs.job);
     let comparison = compare(machine, plan, control, forecast, measured, job)?;
     let (mut diagnosis, mut lost_motion) = (None, None);
     let control = control.filter(|_| comparison.is_measured() && forecast.is_some());
     if let Some(control) = control {
-        let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
+        let diagnosed = |measured: &AfterMeasurement, corrected: &[WithoutSlip]| {
             diagnosed(&verification.loaded.asked, control, measured, corrected)
         };
         let mut found = diagnosed(measured, &[])?;
@@ -185,10 +185,10 @@ fn unseen(
 
 /// Why as left is not as forecast, by a control and what was measured.
 fn diagnosed(
-    Asked { inputs, compiled, .. }: &Asked<'_>,
+    JobTables { inputs, compiled, .. }: &JobTables<'_>,
     control: &Field,
     measured: &AfterMeasurement,
-    corrected: &[Corrected],
+    corrected: &[WithoutSlip],
 ) -> Result<Diagnosis, Problem> {
     let axis = |axis| inputs.job.machine.axes[axis];
     diagnose(&Question {

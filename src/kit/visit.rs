@@ -10,7 +10,7 @@
 
 mod again;
 
-pub use self::again::{Earlier, Measured};
+pub use self::again::{Earlier, TableToFill};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::inputs::job::keys;

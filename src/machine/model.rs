@@ -20,7 +20,7 @@
 //! error of all positions and axes: along a diagonal it counts once ([`ErrorModel::laser_um_per_m`]). A table that `separate` wrote states u = 0 where its curves
 //! are zero and holds noise and scale of the laser already.
 
-pub use self::measured::Measured;
+pub use self::measured::TermCurves;
 use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, measured_range};
 pub(crate) use self::measured::{Range, within};
 use crate::inputs::error_table::{Cause, ErrorTable, Heading, Kind, Remarks, Series, Sizes};
@@ -40,7 +40,7 @@ pub(in crate::machine) mod measured;
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredTerm {
     /// Its curves, zero at the reference.
-    pub measured: Measured,
+    pub measured: TermCurves,
     /// Standard uncertainty at each measured position; empty = not stated.
     pub uncertainty: Vec<PointUncertainty>,
     /// Where it was measured, if its curves have knots beside these: of old tables.
@@ -49,7 +49,7 @@ pub struct MeasuredTerm {
 
 impl MeasuredTerm {
     /// Measured at the knots of its curves.
-    pub(crate) fn new(measured: Measured, uncertainty: Vec<PointUncertainty>) -> MeasuredTerm {
+    pub(crate) fn new(measured: TermCurves, uncertainty: Vec<PointUncertainty>) -> MeasuredTerm {
         MeasuredTerm { measured, uncertainty, places: None }
     }
 
@@ -87,7 +87,7 @@ impl MeasuredTerm {
     /// Reversal B = mean deviation moving + minus mean deviation moving − over the target
     /// positions that both directions cover (contract §1; ISO 230-2), µm.
     pub fn reversal(&self) -> Option<Deviation> {
-        let Measured::BothWays { plus, minus } = &self.measured else {
+        let TermCurves::BothWays { plus, minus } = &self.measured else {
             return None;
         };
         let difference = plus.difference(minus)?;
@@ -111,14 +111,14 @@ impl MeasuredTerm {
     }
 
     fn each(&mut self, of: impl Fn(&ErrorCurve) -> ErrorCurve) {
-        let changed = Measured::of(self.measured.ways().map(|(way, curve)| (way, of(curve))));
+        let changed = TermCurves::of(self.measured.ways().map(|(way, curve)| (way, of(curve))));
         self.measured = changed.unwrap_or_else(|| self.measured.clone());
     }
 
     /// Takes what was measured in one direction for both.
     pub(crate) fn count_both_ways(&mut self) {
-        if let Measured::OneWay(_, curve) = &self.measured {
-            self.measured = Measured::Undirected(curve.clone());
+        if let TermCurves::OneWay(_, curve) = &self.measured {
+            self.measured = TermCurves::Undirected(curve.clone());
             self.uncertainty.iter_mut().for_each(|point| point.direction = None);
         }
     }
@@ -140,7 +140,7 @@ pub struct ErrorModel {
     pub known_squareness: Vec<ErrorTerm>,
     /// The measured rotations (`EAX` …), µrad in place of µm; as measured, or zero at
     /// `angles_zero_mm`. No table of a control holds them.
-    pub rotations: PerTerm<Option<Measured>>,
+    pub rotations: PerTerm<Option<TermCurves>>,
     /// The measured range of each axis (where all its directions were measured).
     pub ranges: PerAxis<Option<Range>>,
     /// The heading under which each term stands in its error table.
@@ -353,7 +353,7 @@ fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<Measu
     let zero = curve(zeroed)?.at(machine.reference);
     let curves = measured.iter().filter_map(|s| Some((s.direction, curve(s)?.less(zero))));
     let uncertainty = points(job, (&measured, zeroed), term, machine);
-    Some(MeasuredTerm::new(Measured::of(curves)?, uncertainty))
+    Some(MeasuredTerm::new(TermCurves::of(curves)?, uncertainty))
 }
 
 /// Standard uncertainty (k = 1) at one measured position.
@@ -462,7 +462,7 @@ mod tests {
             ErrorCurve::through(&places, &um.map(Deviation::from_um), Interpolation::Linear)
         };
         let (plus, minus) = (curve([0.0; 4]), curve([2.0, 3.0, 4.0, 12.0]));
-        let mut term = MeasuredTerm::new(Measured::BothWays { plus, minus }, Vec::new());
+        let mut term = MeasuredTerm::new(TermCurves::BothWays { plus, minus }, Vec::new());
         let reversal = |term: &MeasuredTerm| term.reversal().map(|b| b.um());
         assert_eq!(reversal(&term), Some(-5.25));
         term.places = Some([0.0, 100.0].map(Millimetres::new).to_vec());

@@ -51,8 +51,8 @@ use self::exchange::names;
 use self::metric::{Agreement, LineCheck, Metric};
 use self::readings::{Noise, NoiseSource, ReadingPlace};
 use self::reversal::{Turn, contradictions, hidden_reversal_um, ran_over};
+use self::solved::{CurvesAndSlopes, Tilt};
 pub use self::solved::{NineErrors, SeparatedError};
-use self::solved::{Solved, Tilt};
 use self::start::Start;
 use self::uncertainty::of_length_ppm;
 use crate::inputs::error_table::Silence;
@@ -268,7 +268,7 @@ fn anomalies(
 fn evaluated(start: Start<'_>, closure: Closure) -> Separation {
     let (campaign, noise) = (start.campaign, start.noise);
     let (measurement, turned) = (campaign.measurement, start.turned());
-    let mut solved = Solved::new(start);
+    let mut solved = CurvesAndSlopes::new(start);
     let agreement = solved.judged();
     let turn = turned.then(|| solved.turn()).flatten();
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };

@@ -2,7 +2,7 @@
 //! standards draw it.
 
 use super::locale::Locale;
-use super::picture::{Drawn, Ink, Mark, Panel, Picture, Scale, at_one_height};
+use super::picture::{Diagram, Ink, Mark, Panel, Picture, Scale, at_one_height};
 use crate::judge::field::Field;
 use crate::kit::Inputs;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
@@ -94,7 +94,7 @@ pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> 
 }
 
 /// What is drawn of an error between the ends of its axis, mm.
-fn of(locale: Locale<'_>, term: ErrorTerm, (from, to): (f64, f64), marks: Vec<Mark>) -> Drawn {
+fn of(locale: Locale<'_>, term: ErrorTerm, (from, to): (f64, f64), marks: Vec<Mark>) -> Diagram {
     let kind = if term.is_positioning() { "positioning" } else { "straightness" };
     let axis = format!("{} / {}", term.along.letter(), locale.mm().sign);
     let across = Scale::new(&axis, from, to).shown_in(locale.mm());

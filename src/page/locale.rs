@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// In which unit lengths are shown; documents are always in mm and µm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Shown {
+pub enum DisplayUnit {
     /// mm and µm
     #[value(name = "mm")]
     Metric,
@@ -21,7 +21,7 @@ pub struct Locale<'a> {
     /// The words.
     pub texts: &'a Texts,
     /// The unit of lengths.
-    pub shown: Shown,
+    pub shown: DisplayUnit,
 }
 
 /// A unit as it is shown.
@@ -36,7 +36,7 @@ pub(super) struct Unit {
 impl Locale<'_> {
     /// What goes with the unit that is shown.
     pub(super) fn either<T>(self, metric: T, inch: T) -> T {
-        if self.shown == Shown::Metric { metric } else { inch }
+        if self.shown == DisplayUnit::Metric { metric } else { inch }
     }
 
     /// Of positions.

@@ -169,16 +169,16 @@ pub struct Picture {
 }
 
 /// A diagram of deviations before its height is known: its title, its axis to the right, what is drawn.
-pub(super) type Drawn = (String, Scale, Vec<Mark>);
+pub(super) type Diagram = (String, Scale, Vec<Mark>);
 
 /// Diagrams at one height, and its ends, µm; one without marks leaves its place free.
 pub(super) fn at_one_height(
     locale: Locale<'_>,
-    drawn: impl IntoIterator<Item = Drawn>,
+    drawn: impl IntoIterator<Item = Diagram>,
 ) -> (Vec<Option<Panel>>, (f64, f64)) {
-    let drawn: Vec<Drawn> = drawn.into_iter().collect();
+    let drawn: Vec<Diagram> = drawn.into_iter().collect();
     let um = locale.around(drawn.iter().flat_map(|(.., marks)| marks).flat_map(Mark::heights));
-    let panel = |(title, across, marks): Drawn| match marks.as_slice() {
+    let panel = |(title, across, marks): Diagram| match marks.as_slice() {
         [] => None,
         _ => Some(Panel::chart(title, across, Scale::of_um(locale, um), marks)),
     };

@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 
 /// What a figure is, which decides its unit and its decimals.
 #[derive(Clone, Copy)]
-enum Kind {
+enum FigureKind {
     /// µm in the document.
     Deviation,
     /// The same with a decimal more, against a limit.
@@ -56,7 +56,7 @@ pub struct Report<'a> {
 }
 
 /// A picture with the part that it stands in.
-pub type Placed = (&'static str, Picture);
+pub type PagePicture = (&'static str, Picture);
 
 /// What was measured and found; what is not there stays empty.
 #[derive(Default)]
@@ -90,7 +90,7 @@ pub struct Visit {
     /// Name and size of the files of the tables, bytes.
     pub sizes: BTreeMap<String, usize>,
     /// The pictures.
-    pub pictures: Vec<Placed>,
+    pub pictures: Vec<PagePicture>,
     /// Why there are no figures of the volume.
     pub without_volume: Vec<String>,
     /// The files of runs of one axis.
@@ -99,7 +99,7 @@ pub struct Visit {
 
 /// What the job states of the visit, under its name.
 #[derive(Serialize)]
-struct Stated {
+struct VisitFact {
     label: String,
     value: String,
 }
@@ -121,19 +121,19 @@ pub fn linear_document(number: usize) -> String {
 }
 
 /// The column of a figure in the template, and its place in an entry of a document.
-type Named = (&'static str, &'static str);
+type FigureColumn = (&'static str, &'static str);
 
 /// A line of the first page by its columns.
-type Line = BTreeMap<&'static str, String>;
+type FirstPageLine = BTreeMap<&'static str, String>;
 
-const FIGURES: [Named; 4] = [
+const FIGURES: [FigureColumn; 4] = [
     ("found", "/before_um"),
     ("forecast", "/forecast_um"),
     ("left", "/after_um"),
     ("at_most", "/at_most_um"),
 ];
 
-const SLOPES: [Named; 3] = [
+const SLOPES: [FigureColumn; 3] = [
     ("found", "/before_um_per_m"),
     ("left", "/after_um_per_m"),
     ("expanded", "/expanded_um_per_m"),
@@ -173,9 +173,9 @@ impl Report<'_> {
             "warnings": self.warnings(),
             "has_forecast": !self.is_found(),
             "has_left": self.visit.is_measured,
-            "terms": self.lines("terms", Kind::Deviation, FIGURES),
+            "terms": self.lines("terms", FigureKind::Deviation, FIGURES),
             "diagonals": self.diagonals(),
-            "squareness": self.lines("squareness", Kind::Slope, SLOPES),
+            "squareness": self.lines("squareness", FigureKind::Slope, SLOPES),
             "curves": self.curves(self.visit.is_measured),
             "parts": self.parts(),
         });
@@ -231,15 +231,15 @@ impl Report<'_> {
     }
 
     /// A number of a document as the reader writes it; a dash where it is none.
-    fn figure(&self, document: &str, at: &str, kind: Kind) -> String {
+    fn figure(&self, document: &str, at: &str, kind: FigureKind) -> String {
         let Some(number) = self.document(document).pointer(at).and_then(Value::as_f64) else {
             return NONE.to_string();
         };
         let words = match kind {
-            Kind::Deviation => self.locale.deviation(number, 2),
-            Kind::Reason => self.locale.deviation(number, 3),
-            Kind::Slope => self.locale.decimal(&format!("{:.2}", Figure(number))),
-            Kind::Count => format!("{:.0}", Figure(number)),
+            FigureKind::Deviation => self.locale.deviation(number, 2),
+            FigureKind::Reason => self.locale.deviation(number, 3),
+            FigureKind::Slope => self.locale.decimal(&format!("{:.2}", Figure(number))),
+            FigureKind::Count => format!("{:.0}", Figure(number)),
         };
         let (at, words) = (escaped(at), escaped(&words.replace('-', "\u{2212}")));
         format!("<span data-value=\"{number}\" data-of=\"{document} {at}\">{words}</span>")
@@ -263,7 +263,7 @@ impl Report<'_> {
 
     /// What stands at the head: known keys of the protocol under their names, an empty line for those
     /// that every visit has, then all others as they are stated.
-    fn visit(&self) -> Vec<Stated> {
+    fn visit(&self) -> Vec<VisitFact> {
         const ALWAYS: [&str; 3] = ["by", "instrument", "temperature_c"];
         let machine = &self.job.machine;
         let protocol = &self.job.measurement.protocol;
@@ -271,7 +271,7 @@ impl Report<'_> {
             let mut own = protocol.iter().filter(|(own, _)| own == key);
             self.both(key, own.next().map(|(_, value)| value.as_str()))
         };
-        let line = |label: String, value: String| Stated { label, value: escaped(&value) };
+        let line = |label: String, value: String| VisitFact { label, value: escaped(&value) };
         let mut lines = vec![
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
@@ -340,7 +340,12 @@ impl Report<'_> {
 
     /// A line for each entry of the main document: its name, its kind, its figures under the names that the template
     /// has for them.
-    fn lines<const N: usize>(&self, of: &str, kind: Kind, figures: [Named; N]) -> Vec<Line> {
+    fn lines<const N: usize>(
+        &self,
+        of: &str,
+        kind: FigureKind,
+        figures: [FigureColumn; N],
+    ) -> Vec<FirstPageLine> {
         let line = |name: String| {
             let at = |key: &str| self.figure(self.main(), &format!("/{of}/{name}{key}"), kind);
             let term = match name.as_bytes() {
@@ -354,13 +359,13 @@ impl Report<'_> {
     }
 
     /// As found only where all nine errors were measured: their readings are predicted from them.
-    fn diagonals(&self) -> Vec<Line> {
+    fn diagonals(&self) -> Vec<FirstPageLine> {
         if !self.is_found() {
-            return self.lines("diagonals", Kind::Deviation, FIGURES);
+            return self.lines("diagonals", FigureKind::Deviation, FIGURES);
         }
         let is_complete = self.keys("assess", "/terms").len() == ErrorTerm::ALL.len();
         let figures = [("found", ""), FIGURES[1], FIGURES[2], FIGURES[3]];
-        let lines = self.lines("definitions/diagonals_um", Kind::Deviation, figures);
+        let lines = self.lines("definitions/diagonals_um", FigureKind::Deviation, figures);
         if is_complete { lines } else { Vec::new() }
     }
 }

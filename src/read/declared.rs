@@ -15,10 +15,10 @@
 
 mod table;
 
-use self::table::{Draft, Whose};
+use self::table::{TableDraft, Whose};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    Comments, DeclaredFacts, Factor, Field, Listed, Pattern, Role, Said, Size,
+    Comments, DeclaredFacts, Factor, Field, Pattern, PointLists, Role, Said, Size,
 };
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::read::emulate::{Emulated, Emulator};
@@ -212,7 +212,7 @@ struct Reading<'a> {
     set_before: Option<&'a str>,
     /// Whether the lines are of something else.
     is_other: bool,
-    drafts: Vec<Draft<'a>>,
+    drafts: Vec<TableDraft<'a>>,
     complaints: Vec<Complaint>,
 }
 
@@ -281,7 +281,7 @@ impl Reading<'_> {
         let at = self.drafts.iter().position(|draft| draft.is_of(&own));
         let at = at.unwrap_or(self.drafts.len());
         if at == self.drafts.len() {
-            self.drafts.push(Draft::new(self.facts, line.clone()));
+            self.drafts.push(TableDraft::new(self.facts, line.clone()));
         }
         self.complaints.extend(self.drafts[at].take(text, (line, own), fields).err());
     }

@@ -15,7 +15,7 @@ mod refusals;
 mod rows;
 mod typed;
 
-pub use self::check::Row;
+pub use self::check::GenericRow;
 
 use self::rows::COLUMNS;
 use crate::control::table::{ListedTable, ListedTables, Point};
@@ -42,7 +42,7 @@ use crate::text::{Problems, joined};
 /// assert_eq!(rows[1].increment_um, Some(-2.5));
 /// assert_eq!(nonius::read::generic::read("table.json", json), Ok(rows));
 /// ```
-pub fn read(file_name: &str, text: &str) -> Result<Vec<Row>, Problems> {
+pub fn read(file_name: &str, text: &str) -> Result<Vec<GenericRow>, Problems> {
     rows_of(file_name, text, None, false)
 }
 
@@ -53,7 +53,7 @@ fn rows_of(
     text: &str,
     held: Option<&str>,
     as_shown: bool,
-) -> Result<Vec<Row>, Problems> {
+) -> Result<Vec<GenericRow>, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if let Some(column) = held.filter(|_| !typed::is_list(text)) {
         return Err(refusals::no_list(file_name, column).into());
@@ -78,7 +78,7 @@ pub(crate) fn tables(
 }
 
 /// Checked rows as tables: one for each pair of axes; a direction without rows gets nothing.
-fn in_tables(rows: &[Row]) -> ListedTables {
+fn in_tables(rows: &[GenericRow]) -> ListedTables {
     let mut tables: Vec<ListedTable> = Vec::new();
     for row in rows {
         let known = tables.iter().position(|own| own.is_for(&row.base_axis, &row.output_axis));
@@ -105,7 +105,7 @@ fn in_tables(rows: &[Row]) -> ListedTables {
 ///
 /// **limits** one problem for each file that differs from the first one, naming its first
 /// differing row; no file at all gives no rows.
-pub fn merge(files: Vec<Vec<Row>>) -> Result<Vec<Row>, Problems> {
+pub fn merge(files: Vec<Vec<GenericRow>>) -> Result<Vec<GenericRow>, Problems> {
     let mut problems = Problems::none();
     let mut files = files.into_iter();
     let first = files.next().unwrap_or_default();
@@ -117,7 +117,7 @@ pub fn merge(files: Vec<Vec<Row>>) -> Result<Vec<Row>, Problems> {
     problems.or_ok(first)
 }
 
-fn first_difference(one: &[Row], other: &[Row]) -> Option<String> {
+fn first_difference(one: &[GenericRow], other: &[GenericRow]) -> Option<String> {
     let mut pairs = one.iter().zip(other).enumerate();
     if let Some((index, (a, b))) = pairs.find(|(_, (a, b))| a != b) {
         let differ = a.texts().into_iter().zip(b.texts()).zip(COLUMNS).filter(|((a, b), _)| a != b);

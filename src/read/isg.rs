@@ -12,7 +12,7 @@ use self::control::IsgControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{IsgFacts, Role};
 use crate::control::table::Tables;
-use crate::control::table::isg::{Curve, IsgTables, Parameter, Point};
+use crate::control::table::isg::{IsgCurve, IsgPoint, IsgTables, Parameter};
 use crate::quantity::{Axis, PerAxis};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, ReadBack, file_name, quoted};
@@ -53,7 +53,7 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     };
     let list = list(list_name, text)?;
     let mut problems = Problems::none();
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut curves: Vec<IsgCurve> = Vec::new();
     let mut named: Vec<&str> = Vec::new();
     for path in list.paths.values() {
         let is_it =
@@ -221,7 +221,7 @@ fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
 // `ISG_CSV`: blocks of a header and rows of numbers between blanks; `//` begins a comment, `#` ends a block.
 
 /// What a column holds.
-enum Column {
+enum IsgColumn {
     /// The position of an axis.
     Argument(Axis),
     Parameter(Parameter),
@@ -231,15 +231,15 @@ enum Column {
 
 /// A block while its rows are read.
 struct Block {
-    columns: Vec<Column>,
+    columns: Vec<IsgColumn>,
     /// Of the header.
     span: Range<usize>,
     rows: Vec<Vec<f64>>,
 }
 
 /// The parameters of a file.
-fn curves_of(file: &str, text: &str) -> Result<Vec<Curve>, Problems> {
-    let mut curves: Vec<Curve> = Vec::new();
+fn curves_of(file: &str, text: &str) -> Result<Vec<IsgCurve>, Problems> {
+    let mut curves: Vec<IsgCurve> = Vec::new();
     let mut block: Option<Block> = None;
     let mut complaints = complaints(lines(text), |line| {
         let comment = text[line.clone()].find("//");
@@ -262,9 +262,9 @@ type Words<'a> = [(&'a str, Range<usize>)];
 
 fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
     let columns = header.iter().map(|(word, span)| column(word, span.clone()));
-    let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
+    let columns: Vec<IsgColumn> = columns.collect::<Result<_, _>>()?;
     let arguments = columns.iter().filter_map(|column| match column {
-        Column::Argument(axis) => Some(*axis),
+        IsgColumn::Argument(axis) => Some(*axis),
         _ => None,
     });
     let arguments: Vec<Axis> = arguments.collect();
@@ -280,17 +280,17 @@ fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
     }
 }
 
-fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
+fn column(word: &str, span: Range<usize>) -> Result<IsgColumn, Complaint> {
     if let Some(axis) = Axis::from_letter(word) {
-        return Ok(Column::Argument(axis));
+        return Ok(IsgColumn::Argument(axis));
     }
     let name = word.to_ascii_uppercase();
     if let Some(parameter) = Parameter::all().find(|own| own.to_string() == name) {
-        return Ok(Column::Parameter(parameter));
+        return Ok(IsgColumn::Parameter(parameter));
     }
     let is_name = name.len() == 3 && name.chars().all(|c| c.is_ascii_alphanumeric());
     if is_name && !name.starts_with(|c: char| c.is_ascii_digit()) {
-        return Ok(Column::Zero(name));
+        return Ok(IsgColumn::Zero(name));
     }
     Err(Complaint::new(span, refusals::no_parameter(shown(word))))
 }
@@ -298,14 +298,14 @@ fn column(word: &str, span: Range<usize>) -> Result<Column, Complaint> {
 impl Block {
     fn parameters(&self) -> impl Iterator<Item = (usize, Parameter)> {
         self.columns.iter().enumerate().filter_map(|(index, column)| match column {
-            Column::Parameter(parameter) => Some((index, *parameter)),
+            IsgColumn::Parameter(parameter) => Some((index, *parameter)),
             _ => None,
         })
     }
 
     /// Where the column of the position stands.
     fn argument(&self) -> Option<usize> {
-        let is_it = |column: &Column| matches!(column, Column::Argument(_));
+        let is_it = |column: &IsgColumn| matches!(column, IsgColumn::Argument(_));
         self.columns.iter().position(is_it)
     }
 
@@ -318,7 +318,7 @@ impl Block {
         for ((word, span), column) in row.iter().zip(&self.columns) {
             let no_number = || Complaint::new(span.clone(), refusals::no_number(shown(word)));
             let value = number(word).ok_or_else(no_number)?;
-            if let (Column::Zero(name), true) = (column, value.abs() > 0.0) {
+            if let (IsgColumn::Zero(name), true) = (column, value.abs() > 0.0) {
                 return complaint(refusals::not_zero(name, value));
             }
             numbers.push(value);
@@ -337,7 +337,7 @@ impl Block {
 }
 
 /// Takes the parameters of a block.
-fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
+fn end(block: Option<Block>, curves: &mut Vec<IsgCurve>) -> Result<(), Complaint> {
     let Some(block) = block else {
         return Ok(());
     };
@@ -350,8 +350,8 @@ fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
             return Err(Complaint::new(block.span.clone(), refusals::twice(parameter)));
         }
         let position = |row: &[f64]| argument.map_or(0.0, |at| row[at]);
-        let point = |row: &Vec<f64>| Point { position: position(row), value: row[index] };
-        curves.push(Curve { parameter, points: block.rows.iter().map(point).collect() });
+        let point = |row: &Vec<f64>| IsgPoint { position: position(row), value: row[index] };
+        curves.push(IsgCurve { parameter, points: block.rows.iter().map(point).collect() });
     }
     Ok(())
 }

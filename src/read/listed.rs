@@ -8,7 +8,7 @@
 //! error against the reference sees.
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{Form, Listed, Outside, ValueForm};
+use crate::control::controller::{Form, Outside, PointLists, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point};
 use crate::quantity::{Correction, Direction, Figure, Millimetres, UM_PER_MM, power_of_ten};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
@@ -20,7 +20,7 @@ use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 /// if it goes beyond the travel and the profile says that the control uses no such point
 pub(super) fn control(
     tables: &ListedTables,
-    own: &impl Listed,
+    own: &impl PointLists,
     state: &ControlState,
 ) -> Emulated<PairControl> {
     let load = |table: &ListedTable| {

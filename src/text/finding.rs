@@ -26,7 +26,7 @@ pub enum Severity {
 }
 
 /// The closed list of what one room can find; the macro `findings!` makes it.
-pub trait Kind: Any + Send + Sync {
+pub trait FindingKind: Any + Send + Sync {
     /// How grave it is.
     fn severity(&self) -> Severity;
     /// One sentence for a person, with its facts.
@@ -35,11 +35,11 @@ pub trait Kind: Any + Send + Sync {
 
 /// A finding of any room. In JSON it is its words.
 #[derive(Clone)]
-pub struct Finding(Arc<dyn Kind>);
+pub struct Finding(Arc<dyn FindingKind>);
 
 impl Finding {
     /// The kind with its facts, if it is one of the room that is asked for.
-    pub fn kind<K: Kind>(&self) -> Option<&K> {
+    pub fn kind<K: FindingKind>(&self) -> Option<&K> {
         let kind: &dyn Any = &*self.0;
         kind.downcast_ref()
     }
@@ -50,7 +50,7 @@ impl Finding {
     }
 }
 
-impl<K: Kind> From<K> for Finding {
+impl<K: FindingKind> From<K> for Finding {
     fn from(kind: K) -> Finding {
         Finding(Arc::new(kind))
     }
@@ -158,7 +158,7 @@ macro_rules! findings {
             $(#[doc = $words] $kind $({ $($fact: $type),* })?,)*
         }
 
-        impl $crate::text::Kind for $name {
+        impl $crate::text::FindingKind for $name {
             fn severity(&self) -> $crate::text::Severity {
                 match self {
                     $(Self::$kind { .. } => $crate::text::Severity::$severity,)*
@@ -178,22 +178,22 @@ pub(crate) use findings;
 
 /// Entries of a document by their names, in their order.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Named<K, T>(Vec<(K, T)>);
+pub(crate) struct NamedEntries<K, T>(Vec<(K, T)>);
 
-impl<K, T> FromIterator<(K, T)> for Named<K, T> {
+impl<K, T> FromIterator<(K, T)> for NamedEntries<K, T> {
     fn from_iter<I: IntoIterator<Item = (K, T)>>(entries: I) -> Self {
-        Named(entries.into_iter().collect())
+        NamedEntries(entries.into_iter().collect())
     }
 }
 
-impl<K, T> Named<K, T> {
+impl<K, T> NamedEntries<K, T> {
     /// Name and entry.
     pub(crate) fn iter(&self) -> std::slice::Iter<'_, (K, T)> {
         self.0.iter()
     }
 }
 
-impl<K: Display, T: Serialize> Serialize for Named<K, T> {
+impl<K: Display, T: Serialize> Serialize for NamedEntries<K, T> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.collect_map(self.0.iter().map(|(name, entry)| (name.to_string(), entry)))
     }

@@ -22,9 +22,9 @@ pub use self::document::{
     Key, LARGEST_FILE_MIB, LARGEST_NUMBER, LARGEST_PAGE, LONGEST_LINE_BYTES, LONGEST_MM,
     MOST_LINES, MOST_POINTS, MOST_ROWS, Section, Source, sha256,
 };
-pub use self::finding::{Finding, Kind, Severity, of_severity};
+pub use self::finding::{Finding, FindingKind, Severity, of_severity};
 pub(crate) use self::finding::{
-    Named, Word, counted, findings, grouped, joined, listed, once, read_word, words,
+    NamedEntries, Word, counted, findings, grouped, joined, listed, once, read_word, words,
 };
 pub(crate) use self::plain::{BLANK, BOX, escaped, marked};
 pub use self::plain::{is_unseen, line, page};

@@ -18,7 +18,7 @@ impl<T: Read + Write + Seek> Long for T {}
 
 /// What lies at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PathEntry {
     /// A file, or a pipe.
     File,
     /// A folder.
@@ -67,14 +67,14 @@ pub trait Files {
     fn names(&self, folder: &Path) -> std::io::Result<Vec<String>>;
 
     /// What lies at a path.
-    fn kind(&self, path: &Path) -> std::io::Result<Kind>;
+    fn kind(&self, path: &Path) -> std::io::Result<PathEntry>;
 
     /// Whether two paths lead to the same.
     fn same(&self, one: &Path, other: &Path) -> bool;
 
     /// Refuses a file that exists, or a folder that holds something, before any work is done; with `force` anything but
     /// a regular file, or a folder.
-    fn ensure(&self, place: &Path, kind: Kind, force: bool) -> Result<(), Problems>;
+    fn ensure(&self, place: &Path, kind: PathEntry, force: bool) -> Result<(), Problems>;
 
     /// Writes a file, whole; refuses what [`Files::ensure`] does.
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems>;
@@ -108,7 +108,7 @@ pub trait Files {
     }
 
     /// Whether there is a file, or a folder.
-    fn is(&self, kind: Kind, path: &Path) -> bool {
+    fn is(&self, kind: PathEntry, path: &Path) -> bool {
         self.kind(path).is_ok_and(|found| found == kind)
     }
 }
@@ -234,11 +234,11 @@ impl Memory {
     }
 
     /// What lies here at a path.
-    fn own_kind(&self, path: &Path) -> Option<Kind> {
+    fn own_kind(&self, path: &Path) -> Option<PathEntry> {
         let (all, place) = (self.all.borrow(), plain(path));
         let has_inside = || all.keys().any(|path| path.starts_with(&place));
-        let file = all.contains_key(&place).then_some(Kind::File);
-        file.or_else(|| has_inside().then_some(Kind::Folder))
+        let file = all.contains_key(&place).then_some(PathEntry::File);
+        file.or_else(|| has_inside().then_some(PathEntry::Folder))
     }
 
     /// All files that are there now.
@@ -324,7 +324,7 @@ impl Files for Memory {
         if let Some(beneath) = self.beneath(folder) {
             return beneath.names(folder);
         }
-        let Kind::Folder = self.kind(folder)? else {
+        let PathEntry::Folder = self.kind(folder)? else {
             return Err(ErrorKind::NotADirectory.into());
         };
         let place = plain(folder);
@@ -335,7 +335,7 @@ impl Files for Memory {
         Ok(names.map(str::to_string).collect())
     }
 
-    fn kind(&self, path: &Path) -> std::io::Result<Kind> {
+    fn kind(&self, path: &Path) -> std::io::Result<PathEntry> {
         match (self.own_kind(path), &self.beneath) {
             (Some(kind), _) => Ok(kind),
             (None, Some(beneath)) => beneath.kind(path),
@@ -347,7 +347,7 @@ impl Files for Memory {
         plain(one) == plain(other)
     }
 
-    fn ensure(&self, path: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
+    fn ensure(&self, path: &Path, kind: PathEntry, force: bool) -> Result<(), Problems> {
         match self.own_kind(path) {
             Some(found) if found != kind || !force => {
                 Err(refusals::is_there(path.display()).into())
@@ -357,7 +357,7 @@ impl Files for Memory {
     }
 
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems> {
-        self.ensure(file, Kind::File, force)?;
+        self.ensure(file, PathEntry::File, force)?;
         self.refuse_input(file)?;
         let (place, bytes) = (plain(file), bytes.to_vec());
         Ok(self.pending(move |all| _ = all.insert(place, bytes)))
@@ -369,7 +369,7 @@ impl Files for Memory {
         files: &[NamedBytes<'_>],
         force: bool,
     ) -> Result<Box<dyn Ready>, Problems> {
-        self.ensure(folder, Kind::Folder, force)?;
+        self.ensure(folder, PathEntry::Folder, force)?;
         self.refuse_input(folder)?;
         let place = plain(folder);
         let files = files.iter().map(|(name, bytes)| (place.join(name), bytes.to_vec()));

@@ -6,12 +6,14 @@ use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, MeasuredData, UseOf}
 use crate::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use crate::kit::directory::Directory;
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{Asked, Inputs, Loaded, hashed};
+use crate::kit::{Inputs, JobTables, Loaded, hashed};
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::{Axis, Chain, PathKind, PerAxis};
 use crate::text::{Finding, Problem, Problems, Severity, Source};
-use crate::visit::files::{Files, Kind, file_name, plain_words, printed, unreadable, with_slashes};
-use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
+use crate::visit::files::{
+    Files, PathEntry, file_name, plain_words, printed, unreadable, with_slashes,
+};
+use crate::visit::job_files::{CampaignFiles, InputFile, JobFiles};
 use crate::visit::refusals;
 use crate::volume::assessment::with_tables;
 use crate::volume::findings::VolumeFinding;
@@ -22,7 +24,7 @@ use std::sync::Arc;
 
 /// Reads a job and everything it names, for tables.
 pub(crate) fn read(files: &dyn Files, job_path: &Path) -> Result<Inputs, Problems> {
-    read_job(files, None, &Given::read(files, job_path)?, UseOf::Tables)
+    read_job(files, None, &InputFile::read(files, job_path)?, UseOf::Tables)
 }
 
 /// Reads everything that a job names, the table of its angles too; `machine` is an error table in place of what it
@@ -30,7 +32,7 @@ pub(crate) fn read(files: &dyn Files, job_path: &Path) -> Result<Inputs, Problem
 pub(crate) fn read_job(
     files: &dyn Files,
     machine: Option<&Path>,
-    job: &Given<'_>,
+    job: &InputFile<'_>,
     use_of: UseOf,
 ) -> Result<Inputs, Problems> {
     let mut named = JobFiles::of(files, job, use_of)?;
@@ -66,7 +68,7 @@ pub(crate) fn read_job(
 /// An error table that no job describes, under this name: each axis travels where it was measured, its reference is its
 /// lowest measured position.
 pub(crate) fn of_table(
-    file: &Given<'_>,
+    file: &InputFile<'_>,
     name: String,
     chain: Option<Chain>,
 ) -> Result<Inputs, Problems> {
@@ -104,7 +106,7 @@ fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
 
 /// An error table that no job names.
 fn stated(files: &JobFiles<'_>, path: &Path) -> Result<ErrorSource, Problems> {
-    let file = Given::read(files.files, path)?;
+    let file = InputFile::read(files.files, path)?;
     let table = ErrorTable::read(file.source()?)?;
     files.hashes.borrow_mut().push(file.hash);
     Ok(ErrorSource::Table(Arc::new(table)))
@@ -148,7 +150,7 @@ pub(crate) fn active(
     let help = "name a kit, a file or a directory read out of the control (relative to the job), or write \"none\"";
     let found = of_control(files.files, &full, path, help);
     let (manifest, found) = found.map_err(|problem| files.at(ACTIVE, problem))?;
-    let is_folder = files.files.is(Kind::Folder, &full);
+    let is_folder = files.files.is(PathEntry::Folder, &full);
     let inside = |name: &str| match is_folder {
         true => format!("{path}/{name}"),
         false => path.clone(),
@@ -175,7 +177,7 @@ pub(crate) fn of_control(
     help: &str,
 ) -> Result<OfControl, Problem> {
     let refuse = |error: std::io::Error| unreadable(&format!("`{path}`"), &error).help(help);
-    if files.kind(full).map_err(refuse)? == Kind::File {
+    if files.kind(full).map_err(refuse)? == PathEntry::File {
         return Ok((None, vec![(file_name(full), files.bytes(full)?)]));
     }
     let names = files.names(full).map_err(refuse)?.into_iter();
@@ -208,7 +210,7 @@ pub(super) fn read_all(
 
 /// The machine with tables, and figures of it.
 #[derive(Serialize)]
-pub(crate) struct Corrected<T = ()> {
+pub(crate) struct CorrectedMachine<T = ()> {
     /// Where the tables come from, in words.
     #[serde(rename = "tables")]
     pub(crate) from: String,
@@ -224,22 +226,25 @@ pub(crate) struct Corrected<T = ()> {
     pub(crate) notes: Vec<Finding>,
 }
 
-impl Corrected {
+impl CorrectedMachine {
     /// `volume` is the machine as it was measured.
-    pub(crate) fn of(volume: &VolumeModel, loaded: &Loaded<'_>) -> Result<Corrected, Problems> {
-        let Asked { inputs, plan, .. } = &loaded.asked;
+    pub(crate) fn of(
+        volume: &VolumeModel,
+        loaded: &Loaded<'_>,
+    ) -> Result<CorrectedMachine, Problems> {
+        let JobTables { inputs, plan, .. } = &loaded.asked;
         let volume = with_tables(volume, &inputs.model, plan, loaded.control()?)
             .map_err(|reason| refusals::not_emulated(reason.0))?;
         let found = loaded.findings.iter().chain(&loaded.unread).cloned();
         let (disagreements, notes) =
             found.partition(|found| found.severity() == Severity::Disagreement);
-        Ok(Corrected { from: loaded.from(), figures: (), disagreements, volume, notes })
+        Ok(CorrectedMachine { from: loaded.from(), figures: (), disagreements, volume, notes })
     }
 
     /// The same with figures of it.
-    pub(crate) fn with<T>(self, figures: T) -> Corrected<T> {
-        let Corrected { from, disagreements, volume, notes, .. } = self;
-        Corrected { from, figures, disagreements, volume, notes }
+    pub(crate) fn with<T>(self, figures: T) -> CorrectedMachine<T> {
+        let CorrectedMachine { from, disagreements, volume, notes, .. } = self;
+        CorrectedMachine { from, figures, disagreements, volume, notes }
     }
 }
 
@@ -256,7 +261,7 @@ pub(crate) fn read_directory(
     path: &Path,
 ) -> Result<Directory, Problems> {
     let name = printed(path);
-    if files.is(Kind::File, path) {
+    if files.is(PathEntry::File, path) {
         return Err(refusals::file_not_kit(name).into());
     }
     let names =

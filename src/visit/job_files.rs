@@ -25,7 +25,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A file that a command names, as it was read.
-pub(crate) struct Given<'a> {
+pub(crate) struct InputFile<'a> {
     pub(crate) path: &'a Path,
     /// The path as people read it.
     pub(crate) name: String,
@@ -34,12 +34,12 @@ pub(crate) struct Given<'a> {
     pub(crate) hash: HashedFile,
 }
 
-impl<'a> Given<'a> {
+impl<'a> InputFile<'a> {
     /// `-` is standard input.
-    pub(crate) fn read(files: &dyn Files, path: &'a Path) -> Result<Given<'a>, Problems> {
+    pub(crate) fn read(files: &dyn Files, path: &'a Path) -> Result<InputFile<'a>, Problems> {
         let (name, bytes) = files.argument(path)?;
         let hash = hashed(&file_name(path), &bytes);
-        Ok(Given { path, name, bytes, hash })
+        Ok(InputFile { path, name, bytes, hash })
     }
 
     /// What kind of file it is.
@@ -77,7 +77,7 @@ impl<'a> JobFiles<'a> {
     /// Of a job; one that is refused is refused for everything at once.
     pub(crate) fn of(
         files: &'a dyn Files,
-        file: &Given<'a>,
+        file: &InputFile<'a>,
         use_of: UseOf,
     ) -> Result<JobFiles<'a>, Problems> {
         let folder = file.path.parent().unwrap_or(Path::new(""));
@@ -343,7 +343,7 @@ impl CampaignFiles {
 
 /// Reads a job with readings and everything it names.
 pub(crate) fn read_campaign(files: &dyn Files, job_path: &Path) -> Result<CampaignFiles, Problems> {
-    let named = JobFiles::of(files, &Given::read(files, job_path)?, UseOf::Separation)?;
+    let named = JobFiles::of(files, &InputFile::read(files, job_path)?, UseOf::Separation)?;
     let MeasuredData::Diagonals(measurement) = &named.job.measurement.data else {
         return Err(named
             .job

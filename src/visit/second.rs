@@ -5,7 +5,7 @@ use crate::inputs::job::{ActiveTables, Job, MeasuredData};
 use crate::inputs::kind::FileKind;
 use crate::judge::active::{ActiveControl, HashedFile};
 use crate::judge::after::{AfterMeasurement, ensure_same_machine, same_slopes};
-use crate::judge::causes::{Corrected, Slip};
+use crate::judge::causes::{Slip, WithoutSlip};
 use crate::judge::disagreement::compare;
 use crate::judge::disagreement::contents::measuring_systems;
 use crate::judge::findings::AsLeft;
@@ -17,7 +17,7 @@ use crate::quantity::PathKind;
 use crate::text::{Finding, Problem, Problems, Source, header_and_rows, joined};
 use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, ACTIVE};
-use crate::visit::job_files::{CampaignFiles, Given, JobFiles};
+use crate::visit::job_files::{CampaignFiles, InputFile, JobFiles};
 use crate::visit::refusals;
 use std::path::Path;
 
@@ -76,7 +76,7 @@ impl Second {
         path: &Path,
         tables: &Path,
     ) -> Result<Second, Problems> {
-        let file = Given::read(files, path)?;
+        let file = InputFile::read(files, path)?;
         let (kind, source) = (file.kind(), file.source()?);
         if kind == FileKind::Readings {
             return Err(readings_alone(&source).into());
@@ -207,7 +207,7 @@ pub(crate) fn corrected(
     files: &dyn Files,
     first: &Inputs,
     job_path: &Path,
-) -> Result<Vec<Corrected>, Problems> {
+) -> Result<Vec<WithoutSlip>, Problems> {
     let Inputs { job, profile, .. } = first;
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Ok(Vec::new());
@@ -226,7 +226,7 @@ pub(crate) fn corrected(
     // Readings that do not go through with a slip taken back do not hold it.
     let corrected = slips.filter_map(|slip| {
         let before = model(slip).ok()?;
-        Some(Corrected { slip, before })
+        Some(WithoutSlip { slip, before })
     });
     Ok(corrected.collect())
 }

@@ -9,7 +9,7 @@
 mod tables;
 
 pub(crate) use self::tables::with_tables;
-use crate::quantity::{Axis, Listed, PerAxis};
+use crate::quantity::{Axis, PerAxis, Xyz};
 use crate::text::Problem;
 use crate::volume::definitions::{Definitions, definitions};
 use crate::volume::space::diameter::{Diameter, WindowMap, diameter};
@@ -36,17 +36,17 @@ pub struct Request {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Vectors {
     /// The nodes, mm.
-    pub places_mm: Vec<Listed<f64>>,
+    pub places_mm: Vec<Xyz<f64>>,
     /// The error at each of them, µm.
-    pub um: Vec<Listed<f64>>,
+    pub um: Vec<Xyz<f64>>,
 }
 
 impl Vectors {
     fn of(model: &VolumeModel, nodes: &Nodes) -> Vectors {
         let pairs = nodes.x.iter().flat_map(|x| nodes.y.iter().map(move |y| (*x, *y)));
-        let of = |(x, y)| nodes.z.iter().map(move |z| Listed(PerAxis { x, y, z: *z }));
-        let places_mm: Vec<Listed<f64>> = pairs.flat_map(of).collect();
-        let um = places_mm.iter().map(|place| Listed(model.error_at(place.0))).collect();
+        let of = |(x, y)| nodes.z.iter().map(move |z| Xyz(PerAxis { x, y, z: *z }));
+        let places_mm: Vec<Xyz<f64>> = pairs.flat_map(of).collect();
+        let um = places_mm.iter().map(|place| Xyz(model.error_at(place.0))).collect();
         Vectors { places_mm, um }
     }
 }
@@ -104,7 +104,7 @@ impl Counts {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Assessment {
     /// Nodes of each axis.
-    pub grid: Listed<usize>,
+    pub grid: Xyz<usize>,
     /// The figures.
     pub definitions: Definitions,
     /// Every measured error, the largest part first.
@@ -129,7 +129,7 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
     let histogram = request.histogram_um.map(|bin| histogram(&map, bin));
     let grouping = request.grouping.map(|angular| Baseline::of(&map, angular));
     Ok(Assessment {
-        grid: Listed(nodes.counts()),
+        grid: Xyz(nodes.counts()),
         grouping: grouping.transpose()?,
         contributions: contributions(model, nodes, &definitions)?,
         definitions,
@@ -207,7 +207,7 @@ pub struct Baseline {
     /// Largest difference of two that are kept, µm; `None` = no two are kept.
     pub um: Option<f64>,
     /// Their places, mm.
-    pub pair_mm: Option<[Listed<f64>; 2]>,
+    pub pair_mm: Option<[Xyz<f64>; 2]>,
 }
 
 impl Baseline {
@@ -236,7 +236,7 @@ impl Baseline {
             groups: found.groups,
             records: found.records.len(),
             um: longest.map(|longest| longest.um()),
-            pair_mm: longest.map(|longest| longest.pair.map(|number| Listed(place(number)))),
+            pair_mm: longest.map(|longest| longest.pair.map(|number| Xyz(place(number)))),
         })
     }
 }
@@ -297,12 +297,12 @@ impl Grid {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Windows {
     /// Size, mm.
-    pub size_mm: Listed<f64>,
+    pub size_mm: Xyz<f64>,
     /// How many there are.
     pub count: usize,
     /// Nodes of each axis that they lie between: those of the measurement, where the nodes of the
     /// tables would make distances unequal.
-    pub grid: Listed<usize>,
+    pub grid: Xyz<usize>,
     /// The smallest figure, µm.
     pub min_um: f64,
     /// The largest one.
@@ -310,9 +310,9 @@ pub struct Windows {
     /// The sub-volume at the smallest coordinates of the volume, µm.
     pub corner_um: f64,
     /// The corner with the smallest coordinates of the best sub-volume, mm.
-    pub min_at_mm: Listed<f64>,
+    pub min_at_mm: Xyz<f64>,
     /// The same of the worst one.
-    pub max_at_mm: Listed<f64>,
+    pub max_at_mm: Xyz<f64>,
     /// Every sub-volume.
     pub map: FigureMap,
 }
@@ -358,14 +358,14 @@ fn windows(model: &VolumeModel, grid: &Grid, size_mm: PerAxis<f64>) -> Result<Wi
     let (best, worst) = (figure(all.best()), figure(all.worst()));
     let PerAxis { x: x_mm, y: y_mm, z: z_mm } = places_mm;
     Ok(Windows {
-        size_mm: Listed(size_mm),
+        size_mm: Xyz(size_mm),
         count,
-        grid: Listed(nodes.counts()),
+        grid: Xyz(nodes.counts()),
         min_um: best.0,
         max_um: worst.0,
         corner_um: all.at([0; 3]).um,
-        min_at_mm: Listed(best.1),
-        max_at_mm: Listed(worst.1),
+        min_at_mm: Xyz(best.1),
+        max_at_mm: Xyz(worst.1),
         map: FigureMap { x_mm, y_mm, z_mm, um: (0..corners.x).map(along_y).collect() },
     })
 }

@@ -9,7 +9,7 @@
 
 use crate::machine::separation::curves::range;
 use crate::quantity::{
-    Axis, ErrorCurve, ErrorTerm, Listed, Millimetres, PerAxis, PerDiagonal, PerTerm, SAME_PLACE_MM,
+    Axis, ErrorCurve, ErrorTerm, Millimetres, PerAxis, PerDiagonal, PerTerm, SAME_PLACE_MM, Xyz,
 };
 use crate::volume::space::boxes::Boxes;
 use crate::volume::space::diameter::diameter;
@@ -86,19 +86,19 @@ pub struct Definitions {
     /// Whether it holds for every place of the volume; else for the nodes.
     pub va_exact: bool,
     /// The two places, mm.
-    pub va_pair_mm: [Listed<f64>; 2],
+    pub va_pair_mm: [Xyz<f64>; 2],
     /// e(first) − e(second), µm.
-    pub va_difference_um: Listed<f64>,
+    pub va_difference_um: Xyz<f64>,
     /// Largest error of a length between two nodes: | |actual distance| − |nominal distance| |, µm.
     pub length_um: f64,
     /// No such error is larger, µm.
     pub length_bound_um: f64,
     /// The two places, mm.
-    pub length_pair_mm: [Listed<f64>; 2],
+    pub length_pair_mm: [Xyz<f64>; 2],
     /// Whether its search came to its end.
     pub length_exact: bool,
     /// Range of the error in X, Y and Z over the nodes, µm (ISO 230-1); `None` where nothing that was measured shows.
-    pub ranges_um: Listed<Option<f64>>,
+    pub ranges_um: Xyz<Option<f64>>,
     /// √ of the sum of the squared ranges, µm.
     pub box_um: f64,
     /// Largest |e − e(reference)| over the nodes, µm.
@@ -106,7 +106,7 @@ pub struct Definitions {
     /// No such difference is larger, µm.
     pub max_from_reference_bound_um: f64,
     /// Where the levers count from, mm.
-    pub reference_mm: Listed<f64>,
+    pub reference_mm: Xyz<f64>,
     /// Range along each body diagonal, µm (ISO 230-6, from the model).
     pub diagonals_um: PerDiagonal<f64>,
 }
@@ -145,17 +145,17 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
         proposed_of_nine_um: nine.proposed,
         va_um: widest.um,
         va_exact: holds_everywhere(model, map.nodes()),
-        va_pair_mm: widest.nodes.map(|node| Listed(map.place(node))),
-        va_difference_um: Listed(p.minus(q)),
+        va_pair_mm: widest.nodes.map(|node| Xyz(map.place(node))),
+        va_difference_um: Xyz(p.minus(q)),
         length_um: length.um,
         length_bound_um: length.bound_um,
-        length_pair_mm: length_mm.map(Listed),
+        length_pair_mm: length_mm.map(Xyz),
         length_exact: length.is_exact(),
-        ranges_um: Listed(PerAxis::from_fn(|axis| model.shows(axis).then_some(ranges[axis]))),
+        ranges_um: Xyz(PerAxis::from_fn(|axis| model.shows(axis).then_some(ranges[axis]))),
         box_um: ranges.length(),
         max_from_reference_um: from_reference.um,
         max_from_reference_bound_um: from_reference.bound_um,
-        reference_mm: Listed(origin_mm),
+        reference_mm: Xyz(origin_mm),
         diagonals_um: diagonal_ranges(model),
     }
 }

@@ -26,7 +26,7 @@ pub(crate) use self::map::of_both;
 pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::{ERRORS, Missing};
 use crate::inputs::job::{Job, Levers, MachineAxis};
-use crate::machine::model::{ErrorModel, Measured};
+use crate::machine::model::{ErrorModel, TermCurves};
 use crate::quantity::{
     Axis, Chain, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis,
     PerTerm, Plane, Rotation, displaced, unit,
@@ -107,8 +107,9 @@ impl VolumeModel {
         };
         let levers = job.measurement.levers;
         check_optics(job, chain, levers)?;
-        let rotations =
-            PerTerm::from_fn(|term: ErrorTerm| model.rotations[term].as_ref().map(Measured::mean));
+        let rotations = PerTerm::from_fn(|term: ErrorTerm| {
+            model.rotations[term].as_ref().map(TermCurves::mean)
+        });
         let mut built = VolumeModel {
             chain,
             chain_is_stated: job.machine.chain.is_some(),

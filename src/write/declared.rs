@@ -7,7 +7,7 @@ mod typed;
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    ControlUnit, DeclaredFacts, Evidence, Factor, Listed, Mechanism, Pattern, RULE, ValueForm,
+    ControlUnit, DeclaredFacts, Evidence, Factor, Mechanism, Pattern, PointLists, RULE, ValueForm,
 };
 use crate::control::table::{ListedTable, ListedTables, Point, Tables, name};
 use crate::inputs::job::Compensation;
@@ -18,7 +18,7 @@ use crate::quantity::{
 use crate::text::{Problems, joined};
 use crate::write::control_text::{Seen, fixed, seen, with};
 use crate::write::family::{
-    Compiled, Emitted, Family, Placement, ProofOf, backlash_parameter, backlash_text,
+    Compiled, Family, FileSource, Placement, ProofOf, backlash_parameter, backlash_text,
     control_state, whole_below,
 };
 use crate::write::findings::TableFinding;
@@ -109,7 +109,7 @@ impl Family for DeclaredFacts {
         Ok(compiled)
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+    fn context(&self, emitted: &FileSource<'_>) -> Seen {
         let own: &ListedTables = emitted.tables.own();
         let seen = match &self.typed {
             Some(typed) => typed::of_tables(typed, emitted, own),

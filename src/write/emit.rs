@@ -6,11 +6,11 @@
 
 mod templates;
 
-pub(crate) use crate::write::family::Emitted;
+pub(crate) use crate::write::family::FileSource;
 pub(crate) use templates::page;
 pub(super) use templates::text;
 
-use crate::control::checklist::{Paragraph, Part};
+use crate::control::checklist::{ChecklistPart, Paragraph};
 use crate::control::controller::{
     EmittedFile, Encoding, KitFile, Profile, Role, Template, builtin,
 };
@@ -96,16 +96,16 @@ fn path_of(file: &EmittedFile, item: &tera::Value) -> Option<String> {
 /// What the templates of a control see. Every number is finished text.
 pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<impl Serialize + use<>, Problems> {
     refuse_unsafe_text(task)?;
-    Ok(context_of(&Emitted::of_kit(task, compiled)))
+    Ok(context_of(&FileSource::of_kit(task, compiled)))
 }
 
-fn context_of(emitted: &Emitted<'_>) -> Seen {
+fn context_of(emitted: &FileSource<'_>) -> Seen {
     let own = family(emitted.task.profile).context(emitted);
     [head_of(emitted), own].into_iter().filter_map(Seen::into_map).flatten().collect::<Map>().into()
 }
 
 /// What a context holds of every control.
-fn head_of(emitted: &Emitted<'_>) -> Seen {
+fn head_of(emitted: &FileSource<'_>) -> Seen {
     let task = emitted.task;
     let machine = &task.job.machine;
     let said = |text: &str| match task.profile.comments.value.are_allowed() {
@@ -136,7 +136,7 @@ fn head_of(emitted: &Emitted<'_>) -> Seen {
 
 /// First comments of a file, where the control's files may carry comments: where its values are
 /// from. Only the kit's own tables hold a measurement.
-fn header(emitted: &Emitted<'_>, date: &str, active: &str) -> Vec<String> {
+fn header(emitted: &FileSource<'_>, date: &str, active: &str) -> Vec<String> {
     let simulated = emitted.task.model.remarks.simulated().next();
     let simulated = simulated.map(|_| format!("{SIMULATED}: predicted readings, a rehearsal"));
     let measured = || format!("measured {date}, compensation active while measuring: {active}");
@@ -206,21 +206,21 @@ pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<Finding> {
 /// The tables, parameters and switches of the kit, with the control's line ends.
 pub fn render(task: Task<'_>, compiled: &Compiled) -> Result<Vec<KitFile>, Problems> {
     refuse_unsafe_text(task)?;
-    render_those(&Emitted::of_kit(task, compiled), |file| {
+    render_those(&FileSource::of_kit(task, compiled), |file| {
         !file.role.stands_apart() && file.role != Role::Checklist
     })
 }
 
 /// Of these the files that a control may load and no reader takes; nearly no profile has one.
 pub(crate) fn render_unread(task: Task<'_>, compiled: &Compiled) -> Result<Vec<KitFile>, Problems> {
-    render_those(&Emitted::of_kit(task, compiled), EmittedFile::is_loaded_unread)
+    render_those(&FileSource::of_kit(task, compiled), EmittedFile::is_loaded_unread)
 }
 
 /// What a checklist says.
 #[derive(Serialize)]
 pub(crate) struct Words {
     pub(crate) head: Vec<Paragraph>,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<ChecklistPart>,
     /// What to know of this kit.
     pub(crate) about: Vec<String>,
 }
@@ -232,7 +232,7 @@ pub(crate) fn render_checklist(
     words: &Words,
 ) -> Result<Vec<KitFile>, Problems> {
     let words = Seen::try_from_serializable(words).map_err(refusals::no_context)?;
-    let head = head_of(&Emitted::of_kit(task, compiled));
+    let head = head_of(&FileSource::of_kit(task, compiled));
     const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
     let names = head.into_map().unwrap_or_default().into_iter();
     let names = names.filter(|(name, _)| name.as_str().is_some_and(|own| NAMES.contains(&own)));
@@ -263,7 +263,7 @@ pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
 /// Those files of the profile that are wanted, each in its place: the tables and parameters of a kit, or what stands
 /// apart from them with tables of its own (rollback, the sign proof of a mechanism).
 pub(crate) fn render_those(
-    emitted: &Emitted<'_>,
+    emitted: &FileSource<'_>,
     is_wanted: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<KitFile>, Problems> {
     let profile = emitted.task.profile;

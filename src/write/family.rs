@@ -74,7 +74,7 @@ pub(crate) trait Family {
     }
 
     /// What the templates see of tables: names with finished texts.
-    fn context(&self, emitted: &Emitted<'_>) -> Seen;
+    fn context(&self, emitted: &FileSource<'_>) -> Seen;
 
     /// What the control's display shows once these tables act, a sentence each; none where no display is known.
     fn displayed(&self, _tables: &Tables, _state: &ControlState) -> Vec<String> {
@@ -111,7 +111,7 @@ pub(crate) trait Family {
 }
 
 /// What the files with tables are rendered from: those of the kit, or one that stands apart.
-pub(crate) struct Emitted<'a> {
+pub(crate) struct FileSource<'a> {
     pub(crate) task: Task<'a>,
     pub(crate) compiled: &'a Compiled,
     pub(crate) tables: &'a Tables,
@@ -123,11 +123,11 @@ pub(crate) struct Emitted<'a> {
     pub(crate) as_read: bool,
 }
 
-impl<'a> Emitted<'a> {
+impl<'a> FileSource<'a> {
     /// The kit itself.
     pub(crate) fn of_kit(task: Task<'a>, compiled: &'a Compiled) -> Self {
         let Compiled { tables, placements, .. } = compiled;
-        Emitted { task, compiled, tables, placements, notice: None, as_read: false }
+        FileSource { task, compiled, tables, placements, notice: None, as_read: false }
     }
 }
 

@@ -15,7 +15,7 @@ use crate::quantity::{Axis, Deviation, Direction, ErrorTerm};
 use crate::text::{Problems, joined};
 use crate::write::control_text::{Seen, seen, trimmed};
 use crate::write::family::{
-    Bump, Compiled, Emitted, Family, ProofOf, backlash_parameter, control_state,
+    Bump, Compiled, Family, FileSource, ProofOf, backlash_parameter, control_state,
 };
 use crate::write::grid::{LengthDigit, as_number, whole};
 use crate::write::refusals;
@@ -100,7 +100,7 @@ impl Family for FanucFacts {
     }
 
     /// `parameters` (one block each, with its segments) and `points`.
-    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+    fn context(&self, emitted: &FileSource<'_>) -> Seen {
         let memory: &FanucMemory = emitted.tables.own();
         let identifier = |letter: &'static str| if self.q_identifier.value { letter } else { "" };
         let mut blocks: BTreeMap<u32, Vec<Seen>> = BTreeMap::new();

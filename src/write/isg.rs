@@ -9,9 +9,9 @@
 use crate::control::claims::Precondition;
 use crate::control::controller::{ControlUnit, IsgFacts, LeverOrigin, Mechanism};
 use crate::control::table::Tables;
-use crate::control::table::isg::{Curve, IsgTables, Parameter, Point};
+use crate::control::table::isg::{IsgCurve, IsgPoint, IsgTables, Parameter};
 use crate::inputs::job::WantedTerms;
-use crate::machine::model::Measured;
+use crate::machine::model::TermCurves;
 use crate::quantity::{
     Axis, Chain, Deviation, ErrorCurve, ErrorTerm, Interpolation, Millimetres, PerAxis, Rotation,
     UM_PER_MM, power_of_ten, rounded, unit,
@@ -19,7 +19,8 @@ use crate::quantity::{
 use crate::text::{Problem, Problems};
 use crate::write::control_text::{Seen, fixed, seen};
 use crate::write::family::{
-    Compiled, Emitted, Family, Placement, ProofOf, backlash_parameter, backlash_text, control_state,
+    Compiled, Family, FileSource, Placement, ProofOf, backlash_parameter, backlash_text,
+    control_state,
 };
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
@@ -50,7 +51,7 @@ impl Family for IsgFacts {
         let axes = logical_axes(task, plan)?;
         let angles = self.angles(task, plan)?;
         let deviation = |planned: &PlannedTable| self.deviations(task, planned, &angles);
-        let mut curves: Vec<Curve> = plan.tables.iter().map(deviation).collect();
+        let mut curves: Vec<IsgCurve> = plan.tables.iter().map(deviation).collect();
         let notes = self.notes(task, &angles).map(Into::into).collect();
         curves.extend(angles);
         curves.sort_by_key(|curve| curve.parameter);
@@ -72,7 +73,7 @@ impl Family for IsgFacts {
         mechanism != Mechanism::VolcompAngles || tables.own::<IsgTables>().has_angles()
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+    fn context(&self, emitted: &FileSource<'_>) -> Seen {
         let tables: &IsgTables = emitted.tables.own();
         let axis = |(axis, number): (Axis, &Option<u32>)| {
             let number = number.map_or(String::new(), |number| number.to_string());
@@ -91,8 +92,9 @@ impl Family for IsgFacts {
         let of_kit = kit.curves.iter().map(|curve| {
             let has_bump = curve.parameter == Parameter::Deviation(proof.term);
             let points = curve.points.iter().zip(proof.deviations(has_bump, curve.points.len()));
-            let point = |(point, d): (&Point, Deviation)| Point { value: self.value(d), ..*point };
-            Curve { points: points.map(point).collect(), ..curve.clone() }
+            let point =
+                |(point, d): (&IsgPoint, Deviation)| IsgPoint { value: self.value(d), ..*point };
+            IsgCurve { points: points.map(point).collect(), ..curve.clone() }
         });
         Some(Tables::Isg(IsgTables { curves: of_kit.collect(), ..kit.clone() }))
     }
@@ -106,7 +108,7 @@ impl IsgFacts {
     }
 
     /// The deviations of a term, less what the control takes off there for the angles of its axis.
-    fn deviations(&self, task: Task<'_>, planned: &PlannedTable, angles: &[Curve]) -> Curve {
+    fn deviations(&self, task: Task<'_>, planned: &PlannedTable, angles: &[IsgCurve]) -> IsgCurve {
         let ErrorTerm { of, along } = planned.term;
         let grid = &planned.grid;
         let arm = self.arm(task, along);
@@ -124,11 +126,11 @@ impl IsgFacts {
             urad.cross(arm)[of] / UM_PER_MM
         };
         let points = (grid.first..=grid.last).zip(&planned.values).enumerate();
-        let points = points.map(|(index, (at, value))| Point {
+        let points = points.map(|(index, (at, value))| IsgPoint {
             position: grid.written(at),
             value: self.value(Deviation::from_um(value.um() - swung(index))),
         });
-        Curve { parameter: Parameter::Deviation(planned.term), points: points.collect() }
+        IsgCurve { parameter: Parameter::Deviation(planned.term), points: points.collect() }
     }
 
     /// The lever of the angles of an axis while the others rest, as the control counts it, mm.
@@ -146,7 +148,7 @@ impl IsgFacts {
 
     /// The measured angles of the axes that have a grid, as the model of the machine has them; the table is zero at
     /// `angles_zero_mm`, on a node or between two.
-    fn angles(&self, task: Task<'_>, plan: &Plan) -> Result<Vec<Curve>, Problem> {
+    fn angles(&self, task: Task<'_>, plan: &Plan) -> Result<Vec<IsgCurve>, Problem> {
         if !self.takes_angles(task) {
             return Ok(Vec::new());
         }
@@ -154,7 +156,7 @@ impl IsgFacts {
         let mut angles = Vec::new();
         for rotation in Rotation::all() {
             let along = rotation.along;
-            let measured = task.model.rotations[rotation].as_ref().map(Measured::mean);
+            let measured = task.model.rotations[rotation].as_ref().map(TermCurves::mean);
             let Some((curve, grid)) = measured.zip(plan.grids[along]) else {
                 continue;
             };
@@ -169,9 +171,10 @@ impl IsgFacts {
             let points = (grid.first..=grid.last).map(|at| {
                 let urad = self.angle_sign.value.table_um(table.at(grid.position(at)));
                 let value = rounded(urad / Parameter::PER_RAD, self.angle_decimals.value) + 0.0;
-                Point { position: grid.written(at), value }
+                IsgPoint { position: grid.written(at), value }
             });
-            angles.push(Curve { parameter: Parameter::Angle(rotation), points: points.collect() });
+            angles
+                .push(IsgCurve { parameter: Parameter::Angle(rotation), points: points.collect() });
         }
         if !angles.is_empty() {
             let chain = task.job.chain_for_angles("machine");
@@ -181,7 +184,7 @@ impl IsgFacts {
     }
 
     /// What there is to know of angles that are written, and of those that are not.
-    fn notes(&self, task: Task<'_>, angles: &[Curve]) -> impl Iterator<Item = TableFinding> {
+    fn notes(&self, task: Task<'_>, angles: &[IsgCurve]) -> impl Iterator<Item = TableFinding> {
         let is_written = |rotation: &Rotation| {
             angles.iter().any(|curve| curve.parameter == Parameter::Angle(*rotation))
         };
@@ -220,7 +223,7 @@ impl IsgFacts {
         Axis::ALL.into_iter().filter_map(block).collect()
     }
 
-    fn text(&self, curve: &Curve, index: usize) -> Option<String> {
+    fn text(&self, curve: &IsgCurve, index: usize) -> Option<String> {
         let decimals = match curve.parameter {
             Parameter::Deviation(_) => self.value_decimals.value,
             Parameter::Angle(_) | Parameter::Turned(_) => self.angle_decimals.value,

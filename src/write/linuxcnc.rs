@@ -11,14 +11,14 @@
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    Columns, ControlUnit, CrossTerms, LinuxcncFacts, Listed, MOST_JOINTS, Mechanism,
+    Columns, ControlUnit, CrossTerms, LinuxcncFacts, MOST_JOINTS, Mechanism, PointLists,
 };
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::inputs::job::Compensation;
 use crate::quantity::{Axis, Direction, ErrorTerm, rounded};
 use crate::text::{Problem, Problems, joined};
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
-use crate::write::family::{Compiled, Emitted, Family, ProofOf};
+use crate::write::family::{Compiled, Family, FileSource, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
 use crate::write::refusals;
@@ -70,7 +70,7 @@ impl Family for LinuxcncFacts {
         Ok(Compiled { preconditions: preconditions(task, tables_of(&compiled.tables)), ..compiled })
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+    fn context(&self, emitted: &FileSource<'_>) -> Seen {
         let unit = emitted.task.job.compensation.control_unit;
         let tables = tables_of(emitted.tables);
         let own = tables.iter().filter(|table| table.is_own());
@@ -230,12 +230,12 @@ fn preconditions(task: Task<'_>, tables: &[ListedTable]) -> Vec<Precondition> {
 
 impl LinuxcncFacts {
     /// The curves of all cross terms, in their order.
-    fn curves_of(&self, tables: &[ListedTable]) -> Vec<Curve> {
-        let mut curves: Vec<Curve> = Vec::new();
+    fn curves_of(&self, tables: &[ListedTable]) -> Vec<HalCurve> {
+        let mut curves: Vec<HalCurve> = Vec::new();
         for table in tables.iter().filter(|table| !table.is_own()) {
             let pieces = self.pieces(&table.points).into_iter();
             let axes = [&table.base, &table.output].map(Clone::clone);
-            curves.extend(pieces.map(|points| Curve { axes: axes.clone(), points }));
+            curves.extend(pieces.map(|points| HalCurve { axes: axes.clone(), points }));
         }
         curves
     }
@@ -328,7 +328,7 @@ impl LinuxcncFacts {
 }
 
 /// Some of the points of a table: base and output joint, and what is added at each point.
-struct Curve {
+struct HalCurve {
     axes: [String; 2],
     points: Vec<Point>,
 }
@@ -343,14 +343,14 @@ struct Netlist {
 
 impl Netlist {
     /// Everything that corrects one joint.
-    fn add_joint(&mut self, facts: &LinuxcncFacts, curves: &[Curve]) {
-        let [Curve { axes: [_, joint], .. }, ..] = curves else {
+    fn add_joint(&mut self, facts: &LinuxcncFacts, curves: &[HalCurve]) {
+        let [HalCurve { axes: [_, joint], .. }, ..] = curves else {
             return;
         };
         let own = |name: &str| format!("nonius-{joint}-{name}");
         let (last, correction) = (curves.len() - 1, own("correction"));
         let mut before: Option<String> = None;
-        for (number, Curve { axes: [base, _], points }) in curves.iter().enumerate() {
+        for (number, HalCurve { axes: [base, _], points }) in curves.iter().enumerate() {
             let sum = match number == last {
                 true => correction.clone(),
                 false => own(&format!("sum-{number}")),

@@ -4,7 +4,7 @@
 //! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
 //!   never adds up.
 
-use crate::control::controller::{Form, Listed, Order, Outside, Rounding, ValueForm};
+use crate::control::controller::{Form, Order, Outside, PointLists, Rounding, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Point, Tables};
 use crate::quantity::{Axis, Deviation, Direction, Millimetres, UM_PER_MM, rounded};
 use crate::text::Problems;
@@ -17,7 +17,7 @@ use crate::write::task::{Plan, PlannedTable, Task, axis_key};
 
 /// A plan in the numbers of a control, without preconditions and notes.
 pub(super) fn compile(
-    own: &impl Listed,
+    own: &impl PointLists,
     task: Task<'_>,
     plan: &Plan,
     place: impl Fn(&PlannedTable) -> String,
@@ -42,7 +42,7 @@ pub(super) fn compile(
 
 /// What the numbers mean of a planned table. Of the generic table each direction has its own block, and values without
 /// digits of their own are multiples of the detection unit.
-pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable) -> Form {
+pub(super) fn form_of(own: &impl PointLists, task: Task<'_>, planned: &PlannedTable) -> Form {
     let unit = task.job.compensation.control_unit;
     let unit_um = task.detection_unit_um(planned.term.of);
     let form = own.form(planned.term.is_positioning(), unit);
@@ -64,7 +64,7 @@ pub(super) fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable)
 }
 
 /// The tables of one mechanism; both columns of those of the term have the bump.
-pub(super) fn proof_tables<F: Listed + Family>(own: &F, proof: &ProofOf<'_>) -> Tables {
+pub(super) fn proof_tables<F: PointLists + Family>(own: &F, proof: &ProofOf<'_>) -> Tables {
     let belongs = |planned: &PlannedTable| own.belongs(proof.mechanism, planned);
     let form = |planned: &PlannedTable| form_of(own, proof.task, planned);
     let bump = |planned: &PlannedTable, _| {
@@ -152,7 +152,7 @@ fn numbers(form: &Form, places: &[f64], deviations: &[Deviation]) -> Vec<f64> {
 }
 
 /// What the control does not take, or does not say what it does with.
-fn check(own: &impl Listed, task: Task<'_>, tables: &[ListedTable]) -> Result<(), Problems> {
+fn check(own: &impl PointLists, task: Task<'_>, tables: &[ListedTable]) -> Result<(), Problems> {
     let mut problems = Problems::none();
     let unit = task.job.compensation.control_unit;
     for table in tables {

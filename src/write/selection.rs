@@ -15,7 +15,7 @@
 //! Angular errors are not part of it; grid and rounding are not either, they are far smaller than
 //! a term without a table.
 
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::machine::model::{ErrorModel, MeasuredTerm, TermCurves};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Millimetres, PerAxis};
 use crate::write::findings::TableFinding;
 use crate::write::task::{Omission, TermTargets};
@@ -262,7 +262,7 @@ impl Parts<'_> {
 
 fn states_of(model: &ErrorModel, targets: &[TermTargets], axis: Axis) -> Vec<State> {
     let mut states = Vec::new();
-    let is_undirected = |own: &MeasuredTerm| matches!(own.measured, Measured::Undirected(_));
+    let is_undirected = |own: &MeasuredTerm| matches!(own.measured, TermCurves::Undirected(_));
     let is_one = model.measured_along(axis).all(|(_, own)| is_undirected(own));
     for direction in if is_one { &[Direction::Plus][..] } else { &Direction::BOTH } {
         for position in positions_of(model, axis, *direction) {

@@ -22,7 +22,7 @@ use crate::inputs::job::Compensation;
 use crate::quantity::{Axis, Deviation, ErrorTerm, power_of_ten};
 use crate::text::Problems;
 use crate::write::control_text::{Seen, fixed, seen, trimmed};
-use crate::write::family::{Compiled, Emitted, Family, Placement, ProofOf, control_state};
+use crate::write::family::{Compiled, Family, FileSource, Placement, ProofOf, control_state};
 use crate::write::grid::LengthDigit;
 use crate::write::refusals;
 use crate::write::selection::TableStock;
@@ -108,9 +108,9 @@ impl Family for SiemensFacts {
         })
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Seen {
+    fn context(&self, emitted: &FileSource<'_>) -> Seen {
         let tables: &SiemensTables = emitted.tables.own();
-        let Emitted { task, compiled, placements, as_read, .. } = *emitted;
+        let FileSource { task, compiled, placements, as_read, .. } = *emitted;
         let of_table = |table| of_table(table, placements, Digits { facts: self, as_read });
         let held = |table| held(&compiled.state, self, table);
         seen! {

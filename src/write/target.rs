@@ -3,7 +3,7 @@
 pub use crate::write::task::{Omission, Target, TermTargets};
 
 use crate::inputs::job::{ActiveTables, BacklashPolicy, Job, WantedTerms, one_for_all};
-use crate::machine::model::{Measured, MeasuredTerm};
+use crate::machine::model::{MeasuredTerm, TermCurves};
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm};
 use crate::text::{Problem, Problems, joined};
 use crate::write::family::family;
@@ -57,7 +57,7 @@ fn check_wanted(task: Task<'_>, problems: &mut Problems) {
 }
 
 /// The wanted errors along an axis.
-fn along(task: Task<'_>, axis: Axis) -> impl Iterator<Item = (ErrorTerm, &Measured)> {
+fn along(task: Task<'_>, axis: Axis) -> impl Iterator<Item = (ErrorTerm, &TermCurves)> {
     let own = task.model.measured_along(axis).filter(move |(term, _)| wants(task.job, *term));
     own.map(|(term, measured)| (term, &measured.measured))
 }
@@ -78,7 +78,7 @@ fn check_policy(task: Task<'_>, problems: &mut Problems) {
 fn check_directions(task: Task<'_>, problems: &mut Problems) {
     let (job, policies) = (task.job, &task.job.compensation.backlash);
     let is_directed =
-        |axis: &Axis| along(task, *axis).any(|(_, m)| !matches!(m, Measured::Undirected(_)));
+        |axis: &Axis| along(task, *axis).any(|(_, m)| !matches!(m, TermCurves::Undirected(_)));
     let for_all = one_for_all(policies);
     if for_all && Axis::ALL.iter().any(is_directed) {
         return;
@@ -123,7 +123,7 @@ fn check_one_way(task: Task<'_>, problems: &mut Problems) {
         };
         for direction in Direction::BOTH {
             let is_one_way =
-                |own: &Measured| matches!(own, Measured::OneWay(way, _) if *way == direction);
+                |own: &TermCurves| matches!(own, TermCurves::OneWay(way, _) if *way == direction);
             let terms = along(task, axis).filter(|(_, own)| is_one_way(own));
             let terms: Vec<ErrorTerm> = terms.map(|(term, _)| term).collect();
             let fits = policy == BacklashPolicy::ForwardOnly && direction == Direction::Plus;
@@ -162,14 +162,14 @@ fn term_targets(
     measured: &MeasuredTerm,
 ) -> Result<TermTargets, Problems> {
     match &measured.measured {
-        Measured::Undirected(curve) => Ok(one_table(term, curve.clone(), None)),
-        Measured::OneWay(way, curve) => {
+        TermCurves::Undirected(curve) => Ok(one_table(term, curve.clone(), None)),
+        TermCurves::OneWay(way, curve) => {
             let other = way.opposite();
             let note =
                 format!("measured moving {way} only; what it is moving {other} is not known");
             Ok(one_table(term, curve.clone(), Some(note)))
         }
-        Measured::BothWays { plus, minus } => both_ways(task, (term, measured), (plus, minus)),
+        TermCurves::BothWays { plus, minus } => both_ways(task, (term, measured), (plus, minus)),
     }
 }
 
@@ -229,8 +229,8 @@ fn both_ways(
 const EQUAL_UM: f64 = 1e-6;
 
 /// Whether a term is the same in both directions, so that one table says it all.
-pub(crate) fn are_equal(measured: &Measured) -> bool {
-    let Measured::BothWays { plus, minus } = measured else {
+pub(crate) fn are_equal(measured: &TermCurves) -> bool {
+    let TermCurves::BothWays { plus, minus } = measured else {
         return false;
     };
     let (from, to) = plus.measured_range();

@@ -5,7 +5,7 @@ use crate::support::{error_table, fixture, holds, lacks, replaced, words};
 use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::write;
-use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Runs, Stated, Travel};
+use nonius::inputs::import::stated::{Decimal, ImportFacts, MaterialCorrected, Runs, Travel};
 use nonius::inputs::import::{Component, ImportFinding, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::quantity::{Axis, Direction};
@@ -27,16 +27,16 @@ fn rtl(from: &str, to: &str) -> String {
 pub(super) fn run(
     name: &str,
     file: impl AsRef<[u8]>,
-    stated: &Stated,
+    stated: &ImportFacts,
     encoding: Option<&'static Encoding>,
 ) -> Result<Imported, Problems> {
     let bytes = file.as_ref();
-    let stated = Stated { encoding, ..stated.clone() };
+    let stated = ImportFacts { encoding, ..stated.clone() };
     import(Measurement { path: name, name, sha256: &sha256(bytes), bytes }, &stated)
 }
 
 #[track_caller]
-fn table(name: &str, file: impl AsRef<[u8]>, stated: &Stated) -> String {
+fn table(name: &str, file: impl AsRef<[u8]>, stated: &ImportFacts) -> String {
     let text = write(&run(name, file, stated, None).unwrap_or_else(|p| panic!("{p}")).draft);
     error_table(&text);
     text
@@ -47,14 +47,14 @@ fn rows(table: &str) -> String {
 }
 
 #[track_caller]
-fn becomes(name: &str, file: &str, stated: &Stated, expected: &str) -> String {
+fn becomes(name: &str, file: &str, stated: &ImportFacts, expected: &str) -> String {
     let text = table(name, file, stated);
     assert_eq!(rows(&text), expected, "{file}");
     text
 }
 
-fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
-    Stated {
+fn laser(first_target_at_mm: f64, targets_run: Direction) -> ImportFacts {
+    ImportFacts {
         term: Component::from_name("EXX"),
         first_target_at_mm: Some(first_target_at_mm),
         targets_run: Some(targets_run),
@@ -63,21 +63,21 @@ fn laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
 }
 
 /// What the `.rtl` of this folder needs beside that: it notes a temperature of the material.
-fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
+fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> ImportFacts {
     let material_corrected = Some(MaterialCorrected::Yes);
-    Stated { material_corrected, ..laser(first_target_at_mm, targets_run) }
+    ImportFacts { material_corrected, ..laser(first_target_at_mm, targets_run) }
 }
 
-fn of_rtl() -> Stated {
+fn of_rtl() -> ImportFacts {
     rtl_laser(-200.0, Direction::Plus)
 }
 
-fn signed(sign: TableSign) -> Stated {
-    Stated { sign: Some(sign), ..Stated::default() }
+fn signed(sign: TableSign) -> ImportFacts {
+    ImportFacts { sign: Some(sign), ..ImportFacts::default() }
 }
 
-fn mapped(columns: &str, axis: Axis) -> Stated {
-    Stated {
+fn mapped(columns: &str, axis: Axis) -> ImportFacts {
+    ImportFacts {
         columns: Some(columns.to_string()),
         axis: Some(axis),
         travel: Some(Travel::Both),
@@ -85,8 +85,8 @@ fn mapped(columns: &str, axis: Axis) -> Stated {
     }
 }
 
-fn two_columns(decimal: Option<Decimal>) -> Stated {
-    Stated { decimal, ..mapped("Pos=position_mm,Dev=ex_um", Axis::X) }
+fn two_columns(decimal: Option<Decimal>) -> ImportFacts {
+    ImportFacts { decimal, ..mapped("Pos=position_mm,Dev=ex_um", Axis::X) }
 }
 
 const STATUS_PRO: &str = "Example\n\"AXn [mm]\";\"Delta [mm]\";\"Note\"\n\
@@ -97,7 +97,7 @@ fn every_format_becomes_the_table_that_was_checked() {
     let plus = of_rtl();
     let minus = rtl_laser(0.0, Direction::Minus);
     let towards_smaller = "renishaw_static_data_measured_towards_smaller_coordinates";
-    let signed_by_file = Stated { sign: None, ..laser(-100.0, Direction::Plus) };
+    let signed_by_file = ImportFacts { sign: None, ..laser(-100.0, Direction::Plus) };
     let (error, correction) = (signed(TableSign::AsError), signed(TableSign::AsCorrection));
     for (snapshot, name, stated) in [
         ("renishaw_static_data", RTL, &plus),
@@ -117,13 +117,13 @@ fn every_format_becomes_the_table_that_was_checked() {
 /// Target 1 is 100 in the file, 50 on the machine; the axis went up while the file counted down: deviations are turned.
 #[test]
 fn mapped_targets_begin_with_the_first_row_and_a_straightness_keeps_its_sense() {
-    let stated = Stated {
+    let stated = ImportFacts {
         first_target_at_mm: Some(50.0),
         targets_run: Some(Direction::Plus),
         ..mapped("AXn [mm]=target_mm,Delta [mm]=ex_mm", Axis::X)
     };
     becomes("status.csv", STATUS_PRO, &stated, "axis,position_mm,ex_um\nx,50,2.1\nx,150,-0.5");
-    let stated = Stated {
+    let stated = ImportFacts {
         first_target_at_mm: Some(0.0),
         targets_run: Some(Direction::Minus),
         ..mapped("t=target_mm,e=ex_um,s=ey_um,u=u_ey_um", Axis::X)
@@ -140,7 +140,7 @@ fn mapped_runs_are_averaged_angles_without_an_uncertainty() {
     let columns = mapped("p=position_mm,e=ey_um,r=run,d=direction", Axis::Z);
     let expected = "axis,direction,position_mm,ey_um,u_ey_um\n\
         z,+,0,2,1\nz,+,10,6,1\nz,-,0,-1,\nz,-,10,0.5,";
-    becomes("runs.csv", text, &Stated { travel: None, ..columns }, expected);
+    becomes("runs.csv", text, &ImportFacts { travel: None, ..columns }, expected);
     let stated = mapped("t=position_mm,a=ea_urad,run=run", Axis::X);
     let expected = "axis,position_mm,ea_urad\nx,0,1.25\nx,9,2.25";
     let text = becomes("a.csv", "t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n", &stated, expected);
@@ -192,7 +192,7 @@ fn corrections_are_turned_once() {
     for (sign, row) in
         [(TableSign::AsError, "x,+,-200,0.5,0.1"), (TableSign::AsCorrection, "x,+,-200,-0.5,0.1")]
     {
-        holds(&table(RTL, file(RTL), &Stated { sign: Some(sign), ..of_rtl() }), &[row]);
+        holds(&table(RTL, file(RTL), &ImportFacts { sign: Some(sign), ..of_rtl() }), &[row]);
     }
 }
 
@@ -207,7 +207,7 @@ fn never_returned(text: &str) -> String {
 /// Zeros of return runs are left out where none was made; a run goes out where that is stated.
 #[test]
 fn return_runs_mean_what_is_stated() {
-    let runs = |runs| Stated { runs: Some(runs), ..of_rtl() };
+    let runs = |runs| ImportFacts { runs: Some(runs), ..of_rtl() };
     let both = rtl("Flags: 0 0 2 0", "Flags: 0 1 2 0");
     let left_out = table(RTL, never_returned(&both), &of_rtl());
     holds(&left_out, &["runs 2, 4 hold only zeros", "x,+,200,4.7,0.1"]);
@@ -284,7 +284,7 @@ fn turned_targets_keep_the_reversal_of_the_machine() {
     };
     assert!((mean_um("x,+,") - mean_um("x,-,") + 4.0).abs() < 1e-9, "{text}");
     // In the columns `+` is the outward run, which moves the axis −.
-    let stated = Stated {
+    let stated = ImportFacts {
         travel: None,
         first_target_at_mm: Some(500.0),
         targets_run: Some(way),
@@ -328,7 +328,7 @@ fn an_axis_that_is_not_clear_is_stated() {
     }
     for unclear in ["Linear", "XY", "X and Y", "Table"] {
         assert!(run(RTL, named(unclear), &of_rtl(), None).is_err(), "{unclear}");
-        table(RTL, named(unclear), &Stated { axis: Some(Axis::X), ..of_rtl() });
+        table(RTL, named(unclear), &ImportFacts { axis: Some(Axis::X), ..of_rtl() });
     }
 }
 
@@ -336,7 +336,7 @@ fn an_axis_that_is_not_clear_is_stated() {
 fn the_expansion_of_the_material_is_said_where_it_counts() {
     let at = |temperatures: &str| rtl("20.30 20.40 20.35", temperatures);
     let notes = |corrected: MaterialCorrected, file: &str| {
-        let stated = Stated { material_corrected: Some(corrected), ..of_rtl() };
+        let stated = ImportFacts { material_corrected: Some(corrected), ..of_rtl() };
         words(&of_severity(&run(RTL, file, &stated, None).unwrap().findings, Severity::Note))
     };
     let warm = at("35.00 35.00 35.00");

@@ -1,6 +1,6 @@
 //! Lists of captures into a form: all of them, one too few, one too many, of diagonals and of one axis.
 use crate::support::{DIAGONALS, Visit, fixture, shared, source};
-use nonius::inputs::import::stated::{Counting, Stated};
+use nonius::inputs::import::stated::{Counting, ImportFacts};
 use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::Diagonal;
 use std::fs::read_to_string;
@@ -37,7 +37,7 @@ fn fill_form(
     let file = |text| Measurement { path, name, sha256, bytes: str::as_bytes(text) };
     let lists: Vec<List<'_>> = lists.iter().map(|(of, text)| (*of, file(text))).collect();
     let columns = Some(format!("#1={column}"));
-    let stated = Stated { columns, captures: Some(counting), ..Stated::default() };
+    let stated = ImportFacts { columns, captures: Some(counting), ..ImportFacts::default() };
     fill(&source("form.csv", form), &lists, &stated).map_err(|problems| problems.render())
 }
 

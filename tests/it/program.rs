@@ -3,7 +3,7 @@ use crate::snapshots::is_as_checked;
 use crate::support::{holds, read_job, readings, replaced, source};
 use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
-use nonius::inputs::target_runs::{Runs, Stated};
+use nonius::inputs::target_runs::{RunFacts, Runs};
 use nonius::kit::program_kit::{ProgramKit, judge, make};
 use nonius::text::Problems;
 use nonius::write::program::{FileRole, Open, ProgramFile, RunTask, left_open};
@@ -260,7 +260,7 @@ fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
 }
 
 fn as_runs(form: &str) -> Result<Runs, String> {
-    Runs::read(&source("readings-y.csv", form), Stated::default()).map_err(|p| p.render())
+    Runs::read(&source("readings-y.csv", form), RunFacts::default()).map_err(|p| p.render())
 }
 
 #[test]

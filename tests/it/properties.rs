@@ -4,7 +4,7 @@ use nonius::control::table::Tables;
 use nonius::inputs::error_table::Kind;
 use nonius::kit;
 use nonius::quantity::{Axis, ErrorTerm};
-use nonius::read::generic::{Row, read};
+use nonius::read::generic::{GenericRow, read};
 use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;
 use std::fmt::Write;
@@ -62,7 +62,7 @@ fn spacing(rail: &Rail) -> String {
     format!("spacing_mm = {:?}", rail.spacing)
 }
 
-fn rows(rails: &[Rail; 3], keys: &str) -> Vec<Row> {
+fn rows(rails: &[Rail; 3], keys: &str) -> Vec<GenericRow> {
     let job = job(rails, "generic", keys, spacing);
     let (_, kit) = support::generate(&job, &csv(rails, METRIC));
     read("compensation.csv", support::text_of(&kit, "compensation.csv")).unwrap()

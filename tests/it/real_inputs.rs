@@ -2,7 +2,7 @@
 use crate::support::words as said_of;
 use crate::support::{Visit, holds, shared};
 use nonius::control::controller::TableSign;
-use nonius::inputs::import::stated::{MaterialCorrected, Stated};
+use nonius::inputs::import::stated::{ImportFacts, MaterialCorrected};
 use nonius::inputs::import::{Component, Imported};
 use nonius::quantity::{Axis, Direction};
 use nonius::text::{Problems, Severity, of_severity};
@@ -19,7 +19,7 @@ fn files(folder: &str) -> Option<BTreeMap<String, PathBuf>> {
 }
 
 /// What a person has to state for each of the four.
-fn stated(name: &str) -> Stated {
+fn stated(name: &str) -> ImportFacts {
     let (term, axis, run) = match name {
         // The operator left `TestAxis: (X)` as it was.
         name if name.contains("8055_Y") => ("EYY", Some(Axis::Y), Direction::Minus),
@@ -28,18 +28,18 @@ fn stated(name: &str) -> Stated {
         // Its rows were edited and contradict themselves.
         _ => ("EXX", None, Direction::Minus),
     };
-    Stated {
+    ImportFacts {
         term: Component::from_name(term),
         axis,
         first_target_at_mm: Some(0.0),
         targets_run: Some(run),
         sign: Some(TableSign::AsError),
         material_corrected: Some(MaterialCorrected::NotStated),
-        ..Stated::default()
+        ..ImportFacts::default()
     }
 }
 
-fn imported(path: &Path, stated: &Stated) -> Result<Imported, Problems> {
+fn imported(path: &Path, stated: &ImportFacts) -> Result<Imported, Problems> {
     crate::import::run("file.pos", fs::read(path).unwrap(), stated, None)
 }
 
@@ -70,9 +70,9 @@ fn laser_exports_are_read_as_they_are_and_nothing_is_guessed() {
         let refused = |p: Problems| p.to_string().lines().take(1).collect::<String>() + "\n";
         let said = imported(path, &stated(name)).map_or_else(refused, |own| understood(&own));
         words += &format!("{name}\n{said}\n");
-        let nothing = imported(path, &Stated::default()).unwrap_err().to_string();
+        let nothing = imported(path, &ImportFacts::default()).unwrap_err().to_string();
         holds(&nothing, &["--term", "--sign", "--material-corrected"]);
-        let turned = Stated { sign: Some(TableSign::AsCorrection), ..stated(name) };
+        let turned = ImportFacts { sign: Some(TableSign::AsCorrection), ..stated(name) };
         assert!(imported(path, &turned).is_err(), "{name}");
     }
     insta::assert_snapshot!("laser_exports_are_read_as_they_are", words);

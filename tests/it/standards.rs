@@ -1,6 +1,6 @@
 //! Figures by standard: by hand, independent, their laws; files of runs (refused: cases/refuses/standards.txt).
 use crate::support::{DIAGONALS, Visit, holds, in_repository, is_shown, page, shared, source};
-use nonius::inputs::target_runs::{Runs, Stated, Values};
+use nonius::inputs::target_runs::{RunFacts, Runs, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
 use nonius::machine::standards::{ByDirection, Condition, Met, diagonal, vdi_3441};
@@ -34,7 +34,7 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
         let text = fs::read_to_string(data.join(format!("iso230_2_{}.csv", cells[0]))).unwrap();
-        let runs = read(&text, Stated { unit: Some(LengthUnit::Mm), values: None }).unwrap();
+        let runs = read(&text, RunFacts { unit: Some(LengthUnit::Mm), values: None }).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
         let mm: f64 = cells[2].parse().unwrap();
         // Half a unit of the last digit that is printed, and what rounding of the inputs adds.
@@ -331,7 +331,7 @@ proptest! {
     }
 }
 
-fn read(text: &str, stated: Stated) -> Result<Runs, String> {
+fn read(text: &str, stated: RunFacts) -> Result<Runs, String> {
     Runs::read(&source("runs.csv", text), stated).map_err(|problems| problems.render())
 }
 
@@ -339,15 +339,15 @@ fn first_run(runs: &Runs, direction: Direction) -> Vec<f64> {
     runs.deviations_um(direction).unwrap().iter().map(|um| um[0]).collect()
 }
 
-const DEVIATIONS: Stated = Stated { unit: None, values: Some(Values::Deviations) };
+const DEVIATIONS: RunFacts = RunFacts { unit: None, values: Some(Values::Deviations) };
 
 #[test]
 fn layouts_units_and_values_agree() {
-    let open = Stated::default();
+    let open = RunFacts::default();
     let by_sign =
         "run,direction,target_mm,deviation_um\n7,+,25.4,2\n7,+,50.8,4\n8,-,50.8,0\n8,-,25.4,1\n";
     let by_word = "run,direction,target_in,position_mm\n1,up,1,25.402\n1,up,2,50.804\n1,dn,2,50.8\n1,down,1,25.401\n";
-    let unit = |unit| Stated { unit: Some(unit), values: None };
+    let unit = |unit| RunFacts { unit: Some(unit), values: None };
     let files = [
         ("target_mm,up1_mm,dn1_mm\n25.4,25.402,25.401\n50.8,50.804,50.8\n", open),
         ("i,target,up1,dn1\n1,25.4,25.402,25.401\n2,50.8,50.804,50.8\n", unit(LengthUnit::Mm)),
@@ -373,15 +373,15 @@ fn layouts_units_and_values_agree() {
 fn values_that_can_be_both_are_taken_as_stated_and_targets_may_be_closer_than_deviations() {
     let around_zero = "target_mm,up1_mm,dn1_mm\n-50,-0.003,-0.001\n50,0.003,0.002\n";
     let positions = "target_mm,up1_mm,dn1_mm\n-50,-50.003,-50.001\n50,50.003,50.002\n";
-    assert!(read(positions, Stated::default()).is_ok());
+    assert!(read(positions, RunFacts::default()).is_ok());
     for (values, expected) in [(Values::Deviations, -3.0), (Values::Positions, 49997.0)] {
-        let runs = read(around_zero, Stated { unit: None, values: Some(values) }).unwrap();
+        let runs = read(around_zero, RunFacts { unit: None, values: Some(values) }).unwrap();
         near(Some(first_run(&runs, Direction::Plus)[0]), expected);
     }
     // Steps of 20 µm with a deviation of 11 µm: half the way to the next target is nothing unusual.
     let runs = "target_mm,up1_um\n0,1\n0.02,2\n0.04,11\n";
     let named = "target_mm,run,direction,deviation_um\n0,1,+,1\n0.02,1,+,2\n0.04,1,+,11\n";
-    for (text, stated) in [(runs, DEVIATIONS), (named, Stated::default())] {
+    for (text, stated) in [(runs, DEVIATIONS), (named, RunFacts::default())] {
         near(Some(first_run(&read(text, stated).unwrap(), Direction::Plus)[0]), 1.0);
     }
 }

@@ -205,7 +205,7 @@ impl Lexer<'_> {
 const MOST_LABELS: usize = 10_000;
 
 /// Where a line leads, and how many lines were read to find it.
-type Found = (Option<Mark>, usize);
+type JumpTarget = (Option<Mark>, usize);
 
 /// The labels of a text.
 #[derive(Debug, Default)]
@@ -261,7 +261,11 @@ impl Index {
     }
 
     /// Where the line before leads, and how many lines were read to find it; the text stands anywhere then.
-    pub(crate) fn target(&mut self, label: Label, text: &mut dyn Text) -> Result<Found, Refused> {
+    pub(crate) fn target(
+        &mut self,
+        label: Label,
+        text: &mut dyn Text,
+    ) -> Result<JumpTarget, Refused> {
         if label.0 == "N" {
             return self.block(text, label.1);
         }
@@ -276,7 +280,7 @@ impl Index {
     }
 
     /// The block N… of the program that holds the line before.
-    fn block(&mut self, text: &mut dyn Text, number: u32) -> Result<Found, Refused> {
+    fn block(&mut self, text: &mut dyn Text, number: u32) -> Result<JumpTarget, Refused> {
         let here = text.mark();
         let count = self.programs.partition_point(|begin| begin.bytes < here.bytes);
         let begin = self.programs[..count].last().copied().unwrap_or_default();

@@ -50,7 +50,7 @@ pub(super) struct RoughArcs {
 
 /// Words of a block beside the axes.
 #[derive(Clone, Copy, Default)]
-struct Asked {
+struct BlockModes {
     motion: Option<Motion>,
     end_cycle: Option<CodeWord>,
     machine: Option<Span>,
@@ -119,7 +119,7 @@ impl Interpreter {
     pub(super) fn block(&mut self, block: &mut Block, line: usize) -> Flow {
         (self.line, self.holes_before) = (line, self.tally.holes);
         self.span = first_span(block);
-        let asked = if block.g.is_empty() { Asked::default() } else { self.modes(block) };
+        let asked = if block.g.is_empty() { BlockModes::default() } else { self.modes(block) };
         self.change_tool(block);
         if asked.blend || block.adis.is_some() {
             self.blend(block);
@@ -142,7 +142,7 @@ impl Interpreter {
         }
     }
 
-    fn moved(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
+    fn moved(&mut self, block: &mut Block, asked: BlockModes) -> Result<(), Wrong> {
         self.in_machine = asked.machine.is_some();
         if let Some(span) = asked.machine {
             let motion = asked.motion.or(asked.end_cycle.map(|_| Motion::Ended)).or(self.motion);
@@ -163,8 +163,8 @@ impl Interpreter {
     }
 
     /// G words: modes at once, the others as what is asked of this block.
-    fn modes(&mut self, block: &mut Block) -> Asked {
-        let mut asked = Asked::default();
+    fn modes(&mut self, block: &mut Block) -> BlockModes {
+        let mut asked = BlockModes::default();
         let mut groups: [Option<CodeWord>; GROUPS] = [None; GROUPS];
         for index in 0..block.g.len() {
             let word = block.g[index];
@@ -196,7 +196,7 @@ impl Interpreter {
         asked
     }
 
-    fn mode(&mut self, code: Code, word: CodeWord, asked: &mut Asked) {
+    fn mode(&mut self, code: Code, word: CodeWord, asked: &mut BlockModes) {
         match code {
             Code::Motion(motion) => asked.motion = Some(motion),
             Code::EndCycle => asked.end_cycle = Some(word),
@@ -240,7 +240,7 @@ impl Interpreter {
     }
 
     /// Coordinate system and tool length.
-    fn select(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
+    fn select(&mut self, block: &mut Block, asked: BlockModes) -> Result<(), Wrong> {
         if let Some((system, span)) = asked.system {
             let number = match system {
                 Some(number) => number,

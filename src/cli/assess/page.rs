@@ -10,9 +10,9 @@ use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
 use crate::page::{Ink, Locale, Picture, Side, volume};
-use crate::quantity::{Axis, ErrorTerm, Listed, Millimetres, PerAxis, Rotation};
-use crate::text::{Finding, Named, Problem, Severity};
-use crate::visit::inputs::Corrected;
+use crate::quantity::{Axis, ErrorTerm, Millimetres, PerAxis, Rotation, Xyz};
+use crate::text::{Finding, NamedEntries, Problem, Severity};
+use crate::visit::inputs::CorrectedMachine;
 use crate::volume::assessment::{Assessment, Grid, GridChoice, Request, assess};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
@@ -35,14 +35,14 @@ pub(in crate::cli) struct Page {
     pub(super) errors_measured: usize,
     /// As it was measured.
     #[serde(flatten)]
-    found: Found,
+    found: AsFound,
     /// As it is.
     #[serde(flatten)]
     pub(in crate::cli) before: Assessment,
     pub(super) missing: Vec<Missing>,
     labels: Vec<Finding>,
     /// As tables leave it.
-    pub(super) after: Option<Corrected<Assessment>>,
+    pub(super) after: Option<CorrectedMachine<Assessment>>,
 }
 
 impl Page {
@@ -50,7 +50,7 @@ impl Page {
     pub(super) fn of(
         inputs: &Inputs,
         volume: VolumeModel,
-        corrected: Option<Corrected>,
+        corrected: Option<CorrectedMachine>,
         grid: GridChoice,
         request: &Request,
     ) -> Result<Page, Problem> {
@@ -70,7 +70,7 @@ impl Page {
             name: inputs.job.machine.name.clone(),
             grid,
             errors_measured: volume.known_errors(),
-            found: Found::of(inputs),
+            found: AsFound::of(inputs),
             before: assess(&volume, &nodes, request)?,
             missing: volume.missing(),
             volume,
@@ -131,7 +131,7 @@ pub(super) struct Basis {
     /// Range of each axis; `None` where nothing was measured along it and no travel is stated.
     pub(super) volume_mm: PerAxis<Option<(f64, f64)>>,
     /// The stated places that levers depend on.
-    pub(super) tool_offset_mm: Option<Listed<Millimetres>>,
+    pub(super) tool_offset_mm: Option<Xyz<Millimetres>>,
     pub(super) offsets_mm: PerAxis<Option<Millimetres>>,
     pub(super) angles_zero_mm: PerAxis<Option<Millimetres>>,
     pub(super) straightness_optic_mm: PerAxis<Option<Millimetres>>,
@@ -177,7 +177,7 @@ impl Basis {
             chain: volume.chain_is_stated.then(|| volume.chain.to_string()),
             frame: measured.remarks.frame.map_or("as given", Frame::word),
             volume_mm: PerAxis::from_fn(range),
-            tool_offset_mm: levers.tool.map(Listed),
+            tool_offset_mm: levers.tool.map(Xyz),
             offsets_mm: levers.offsets,
             angles_zero_mm: levers.angles_zero,
             straightness_optic_mm: levers.straightness_optic,
@@ -248,9 +248,9 @@ fn outside(job: &Job) -> Option<VolumeFinding> {
 
 /// What the measurement says by itself.
 #[derive(Serialize)]
-struct Found {
-    terms: Named<ErrorTerm, Largest>,
-    squareness: Named<&'static str, PlaneFigures>,
+struct AsFound {
+    terms: NamedEntries<ErrorTerm, Largest>,
+    squareness: NamedEntries<&'static str, PlaneFigures>,
 }
 
 /// Of a term.
@@ -262,13 +262,13 @@ struct Largest {
     at_most_um: Option<f64>,
 }
 
-impl Found {
-    fn of(inputs: &Inputs) -> Found {
+impl AsFound {
+    fn of(inputs: &Inputs) -> AsFound {
         let model = inputs.as_measured();
         let terms = alone(model, &inputs.job).terms.into_iter().map(|found| {
             let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
             (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
         });
-        Found { terms: terms.collect(), squareness: planes((model, Some(&inputs.errors)), None) }
+        AsFound { terms: terms.collect(), squareness: planes((model, Some(&inputs.errors)), None) }
     }
 }

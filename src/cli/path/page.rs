@@ -10,7 +10,7 @@ use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::{Axis, Figure};
 use crate::text::{Problem, Problems, Severity, counted, of_severity};
 use crate::visit::files::{Begun, Files, Long, Ready, not_put_out, not_written};
-use crate::visit::inputs::Corrected;
+use crate::visit::inputs::CorrectedMachine;
 use crate::volume::space::pair::dot;
 use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Sample, Summary};
 use crate::volume::volume_model::VolumeModel;
@@ -27,7 +27,7 @@ pub(super) struct Page {
     pub(super) ran: Ran,
     pub(super) before: Summary,
     /// With tables.
-    pub(super) after: Option<Corrected<Summary>>,
+    pub(super) after: Option<CorrectedMachine<Summary>>,
     pub(super) holes: Holes,
     pub(super) traces: Vec<Trace>,
 }
@@ -118,7 +118,7 @@ pub(super) struct Document<'a> {
     missing: Vec<String>,
     warnings: Vec<String>,
     notes: Vec<String>,
-    after: Option<&'a Corrected<Summary>>,
+    after: Option<&'a CorrectedMachine<Summary>>,
     #[serde(flatten)]
     before: &'a Summary,
 }

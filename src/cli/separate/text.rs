@@ -1,7 +1,7 @@
 //! What `separate` prints for people: what was determined and what not, then the figures; behind
 //! them the closure, disturbed readings, the reversal at a turn and repeated runs.
 
-use super::words::{self, Found, expanded, freedom};
+use super::words::{self, Results, expanded, freedom};
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::{figure, named, um};
 use crate::inputs::job::SetUp;
@@ -19,7 +19,7 @@ use crate::machine::standards::{Diagonals, repeatability_um};
 use crate::quantity::{Axis, Diagonal, Direction, ErrorTerm, Figure, Pass, PerAxis, Plane};
 use crate::text::joined;
 
-pub(super) fn screen((separation, figures, simulated): Found<'_>, advice: &[String]) -> Screen {
+pub(super) fn screen((separation, figures, simulated): Results<'_>, advice: &[String]) -> Screen {
     let outliers = &separation.closure.outliers;
     let more = vec![
         More::part("directions", directions(separation)),

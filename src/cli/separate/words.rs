@@ -14,7 +14,7 @@ use crate::quantity::{Axis, Figure, Plane, Squared};
 use crate::text::{Finding, Severity, joined};
 
 /// What was separated, its diagonals by standard, and what was simulated where that was asked for.
-pub(super) type Found<'a> = (&'a Separation, &'a Diagonals, Option<&'a Simulated>);
+pub(super) type Results<'a> = (&'a Separation, &'a Diagonals, Option<&'a Simulated>);
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
 const MANY: f64 = 1000.0;

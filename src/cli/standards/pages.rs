@@ -14,7 +14,7 @@ use crate::machine::standards::{
 };
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::{Diagonal, PathKind, Run};
-use crate::text::{Finding, Named, Problem, Problems, Source, joined};
+use crate::text::{Finding, NamedEntries, Problem, Problems, Source, joined};
 use crate::visit::files::Files;
 use crate::visit::job_files::read_campaign;
 use serde::Serialize;
@@ -53,7 +53,7 @@ struct Iso2302 {
 struct Vdi {
     confidence: &'static str,
     #[serde(flatten)]
-    figures: Named<&'static str, Option<f64>>,
+    figures: NamedEntries<&'static str, Option<f64>>,
     targets: Vec<Target>,
 }
 
@@ -62,7 +62,7 @@ struct Vdi {
 struct Target {
     target_mm: f64,
     #[serde(flatten)]
-    figures: Named<&'static str, Option<f64>>,
+    figures: NamedEntries<&'static str, Option<f64>>,
 }
 
 impl AxisPage<'_> {

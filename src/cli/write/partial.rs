@@ -15,15 +15,15 @@ use std::time::Duration;
 const CHANCE: usize = 16;
 const MARK: &str = ".partial-";
 /// What this run made and did not put into its place yet, for the signals.
-struct Made {
+struct Unplaced {
     paths: Vec<PathBuf>,
     /// The output is in its place: the run is finished, whatever comes.
     is_placed: bool,
 }
 
-static MADE: Mutex<Made> = Mutex::new(Made { paths: Vec::new(), is_placed: false });
+static MADE: Mutex<Unplaced> = Mutex::new(Unplaced { paths: Vec::new(), is_placed: false });
 
-fn made() -> MutexGuard<'static, Made> {
+fn made() -> MutexGuard<'static, Unplaced> {
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -8,9 +8,9 @@
 //!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
-use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
+use super::fact::{Comments, ControlUnit, Fact, FactValue, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, Proof};
-use super::form::{Form, Listed, Order, Rounding, Size, ValueForm};
+use super::form::{Form, Order, PointLists, Rounding, Size, ValueForm};
 use super::pattern::{Field, Pattern};
 use crate::control::refusals;
 use crate::control::table::{ListedTable, ListedTables, Tables};
@@ -69,7 +69,7 @@ impl Factor {
     }
 }
 
-impl Stated for Vec<Factor> {
+impl FactValue for Vec<Factor> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let own = fact.entries("value").into_iter();
         let own = own.map(|(name, term)| Some(Factor { name, term: ErrorTerm::from_name(&term)? }));
@@ -282,7 +282,7 @@ impl DeclaredFacts {
     }
 }
 
-impl Listed for DeclaredFacts {
+impl PointLists for DeclaredFacts {
     fn form(&self, is_own: bool, _unit: ControlUnit) -> Form {
         Form {
             sign: self.sign(is_own).value,

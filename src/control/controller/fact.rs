@@ -198,7 +198,7 @@ impl Comments {
     }
 }
 
-impl Stated for Comments {
+impl FactValue for Comments {
     fn read(fact: &Section<'_>) -> Option<Self> {
         match fact.as_written("value") {
             Some("true") => fact.flag("value").map(|_| Comments::OfFamily),
@@ -340,48 +340,48 @@ pub struct Statement {
 }
 
 /// A value that a page can state as a fact.
-pub(super) trait Stated: Sized {
+pub(super) trait FactValue: Sized {
     /// The value under the key `value`.
     fn read(fact: &Section<'_>) -> Option<Self>;
 }
 
-impl<W: Word> Stated for W {
+impl<W: Word> FactValue for W {
     fn read(fact: &Section<'_>) -> Option<Self> {
         fact.choice("value", W::WORDS)
     }
 }
 
-impl Stated for u32 {
+impl FactValue for u32 {
     fn read(fact: &Section<'_>) -> Option<Self> {
         fact.whole("value")
     }
 }
 
-impl Stated for f64 {
+impl FactValue for f64 {
     fn read(fact: &Section<'_>) -> Option<Self> {
         fact.positive("value")
     }
 }
 
-impl Stated for bool {
+impl FactValue for bool {
     fn read(fact: &Section<'_>) -> Option<Self> {
         fact.flag("value")
     }
 }
 
-impl Stated for String {
+impl FactValue for String {
     fn read(fact: &Section<'_>) -> Option<Self> {
         fact.text("value")
     }
 }
 
-impl Stated for Vec<String> {
+impl FactValue for Vec<String> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         fact.texts("value")
     }
 }
 
-impl Stated for Vec<NumberRange> {
+impl FactValue for Vec<NumberRange> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let pairs = fact.whole_pairs("value")?;
         if pairs.iter().any(|[first, last]| first > last) {
@@ -405,12 +405,12 @@ impl<'a> Facts<'a> {
         Facts { section, statements: RefCell::default(), is_typed: Cell::default() }
     }
 
-    pub(super) fn stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
+    pub(super) fn stated<T: FactValue>(&self, name: &'static str) -> Option<Fact<T>> {
         self.read(name, T::read)
     }
 
     /// The same of one that may be absent.
-    pub(super) fn if_stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
+    pub(super) fn if_stated<T: FactValue>(&self, name: &'static str) -> Option<Fact<T>> {
         self.section.has(name).then(|| self.stated(name)).flatten()
     }
 
@@ -422,12 +422,12 @@ impl<'a> Facts<'a> {
     }
 
     /// A fact of such points.
-    pub(super) fn of_points<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
+    pub(super) fn of_points<T: FactValue>(&self, name: &'static str) -> Option<Fact<T>> {
         self.has_points().then(|| self.stated(name)).flatten()
     }
 
     /// The same of one that only matters where lines of files are declared.
-    pub(super) fn of_lines<T: Stated>(&self, name: &'static str, usual: T) -> Option<Fact<T>> {
+    pub(super) fn of_lines<T: FactValue>(&self, name: &'static str, usual: T) -> Option<Fact<T>> {
         if self.is_typed.get() { Some(Fact::rule(usual)) } else { self.stated(name) }
     }
 
@@ -445,7 +445,7 @@ impl<'a> Facts<'a> {
     }
 
     /// A number within bounds.
-    pub(super) fn within<T: Stated + PartialOrd>(
+    pub(super) fn within<T: FactValue + PartialOrd>(
         &self,
         name: &'static str,
         range: impl RangeBounds<T>,

@@ -1,6 +1,6 @@
 //! What the numbers of tables say whose points stand one by one, whichever control holds them.
 
-use super::fact::{ControlUnit, Outside, Stated, TableSign};
+use super::fact::{ControlUnit, FactValue, Outside, TableSign};
 use crate::control::table::ListedTable;
 use crate::text::{LengthUnit, Section, words};
 
@@ -64,7 +64,7 @@ impl Size {
     }
 }
 
-impl Stated for Size {
+impl FactValue for Size {
     fn read(fact: &Section<'_>) -> Option<Self> {
         if !fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\''])) {
             return fact.positive("value").map(Size::fixed);
@@ -156,7 +156,7 @@ impl Form {
 }
 
 /// A control whose tables list their points one by one.
-pub(crate) trait Listed {
+pub(crate) trait PointLists {
     /// What the numbers mean of the table of an axis for itself, or of one that follows another, on a control with
     /// this unit.
     fn form(&self, is_own: bool, unit: ControlUnit) -> Form;

@@ -2,7 +2,7 @@
 
 use super::fact::{ControlUnit, Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
-use super::form::{Form, Listed, Order, Rounding, ValueForm};
+use super::form::{Form, Order, PointLists, Rounding, ValueForm};
 use crate::control::table::{ListedTable, ListedTables, Tables};
 use crate::quantity::UM_PER_MM;
 use crate::text::{section, words};
@@ -94,7 +94,7 @@ section! {
     }
 }
 
-impl Listed for LinuxcncFacts {
+impl PointLists for LinuxcncFacts {
     fn form(&self, is_own: bool, unit: ControlUnit) -> Form {
         let um = unit.in_mm() * UM_PER_MM;
         let (sign, value) = match (is_own, self.columns.value) {

@@ -1,6 +1,6 @@
 //! A line of a control's file as a regular expression with named fields, checked when its profile is loaded.
 
-use super::fact::Stated;
+use super::fact::FactValue;
 use crate::text::{Section, Word, joined, nearest, shown, words};
 use regex_automata::PatternID;
 use regex_automata::meta::{BuildError, Config, Regex};
@@ -174,7 +174,7 @@ fn too_large(left: &mut usize) -> String {
     format!("needs, with those before it, more than {} MiB", MOST_BYTES >> 20)
 }
 
-impl Stated for Vec<Pattern> {
+impl FactValue for Vec<Pattern> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let texts = fact.texts("value")?;
         let (mut patterns, mut left) = (Vec::new(), MOST_BYTES);

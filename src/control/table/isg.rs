@@ -71,7 +71,7 @@ impl fmt::Display for Parameter {
 
 /// A point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct IsgPoint {
     /// Position of the axis, mm.
     pub position: f64,
     /// The parameter there, mm or rad.
@@ -80,11 +80,11 @@ pub struct Point {
 
 /// A parameter with its values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct IsgCurve {
     /// Which.
     pub parameter: Parameter,
     /// Ascending; of a constant one point at 0.
-    pub points: Vec<Point>,
+    pub points: Vec<IsgPoint>,
 }
 
 /// One volumetric compensation.
@@ -99,7 +99,7 @@ pub struct IsgTables {
     /// Axes that get no correction (`set_to_zero`).
     pub zeroed: PerAxis<bool>,
     /// The parameters, in their order.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<IsgCurve>,
 }
 
 impl IsgTables {
@@ -113,7 +113,7 @@ impl IsgTables {
     };
 
     /// The curve of a parameter.
-    pub(crate) fn curve(&self, parameter: Parameter) -> Option<&Curve> {
+    pub(crate) fn curve(&self, parameter: Parameter) -> Option<&IsgCurve> {
         self.curves.iter().find(|own| own.parameter == parameter)
     }
 
@@ -125,7 +125,7 @@ impl IsgTables {
 
     /// Whether angles swing what an axis carries.
     pub(crate) fn has_angles(&self) -> bool {
-        let is_angle = |curve: &Curve| matches!(curve.parameter, Parameter::Angle(_));
+        let is_angle = |curve: &IsgCurve| matches!(curve.parameter, Parameter::Angle(_));
         self.curves.iter().any(is_angle)
     }
 }

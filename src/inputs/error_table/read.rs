@@ -3,7 +3,7 @@
 
 use crate::inputs::kind::{Component, Kind};
 use crate::inputs::refusals;
-use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Row, Table, Unit, named};
+use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Table, TableRow, Unit, named};
 use crate::quantity::{Axis, Direction, Millimetres, PerAxis, URAD_PER_ARCSEC};
 use crate::text::{Line, Notes, Place, Problems, Source};
 use std::collections::BTreeMap;
@@ -101,7 +101,7 @@ pub(super) struct Record<'a> {
 }
 
 /// A row whose cells can all be read.
-pub(super) fn record<'a>(table: &Table<'a>, row: &Row<'_, 'a>) -> Option<Record<'a>> {
+pub(super) fn record<'a>(table: &Table<'a>, row: &TableRow<'_, 'a>) -> Option<Record<'a>> {
     let (mut axis, mut direction, mut complete) = (None, None, true);
     let mut numbers = vec![None; table.columns.len()].into_boxed_slice();
     for (column, own) in table.columns.iter().zip(&mut numbers) {

@@ -168,10 +168,10 @@ impl Sizes {
 }
 
 /// A figure of this name.
-type Named<T> = for<'a> fn(&'a mut T, &str) -> Option<&'a mut f64>;
+type FigureOf<T> = for<'a> fn(&'a mut T, &str) -> Option<&'a mut f64>;
 
 /// What is `named` by its names and sizes; `None` where a name or a size is none.
-fn sized<T: Default>(words: &str, named: Named<T>) -> Option<T> {
+fn sized<T: Default>(words: &str, named: FigureOf<T>) -> Option<T> {
     let mut found = T::default();
     for pair in words.split(',') {
         let (name, um) = pair.trim().split_once(' ')?;

@@ -10,9 +10,9 @@
 use crate::inputs::import::encoding::{Measurement, text_of};
 use crate::inputs::import::intake::Intake;
 use crate::inputs::import::located::{Expected, Located};
-use crate::inputs::import::mapping::Named;
+use crate::inputs::import::mapping::ColumnName;
 use crate::inputs::import::stated::{
-    CAPTURES, Counting, DECIMAL, Decimal, Format, LIST_COLUMNS, Stated,
+    CAPTURES, Counting, DECIMAL, Decimal, Format, ImportFacts, LIST_COLUMNS,
 };
 use crate::inputs::readings::Readings;
 use crate::inputs::refusals;
@@ -30,7 +30,7 @@ use std::collections::HashMap;
 pub type List<'a> = (Option<Diagonal>, Measurement<'a>);
 
 /// Fills a form in, and gives its text; everything that is wrong is told at once.
-pub fn fill(source: &Source, lists: &[List<'_>], stated: &Stated) -> Result<String, Problems> {
+pub fn fill(source: &Source, lists: &[List<'_>], stated: &ImportFacts) -> Result<String, Problems> {
     let intake = Intake::of(source, stated, Format::List);
     let text = filled(&intake, lists);
     intake.end(text).map(|(text, _)| text)
@@ -66,7 +66,7 @@ type Off = (Option<usize>, Problem);
 struct Form<'a> {
     header: Line<'a>,
     names: Vec<Cow<'a, str>>,
-    rows: Vec<Row<'a>>,
+    rows: Vec<CaptureRow<'a>>,
     /// Whether it is that of one axis, with its targets.
     of_axis: bool,
     /// Whether the values of the lists hold the way to the target.
@@ -74,7 +74,7 @@ struct Form<'a> {
 }
 
 /// One capture.
-struct Row<'a> {
+struct CaptureRow<'a> {
     cells: Vec<Cow<'a, str>>,
     /// Of which diagonal; `None` = of one axis.
     of: Option<Diagonal>,
@@ -108,7 +108,7 @@ impl<'a> Form<'a> {
         Ok(form)
     }
 
-    fn row(&self, line: &Line<'a>) -> Result<Row<'a>, Problem> {
+    fn row(&self, line: &Line<'a>) -> Result<CaptureRow<'a>, Problem> {
         let cells = line.cells_under(self.names.len())?;
         if cells.last().is_some_and(|value| !value.is_empty()) {
             return Err(refusals::filled_already().at(line.whole()));
@@ -119,7 +119,7 @@ impl<'a> Form<'a> {
         if of.is_none() && target.is_none() {
             return Err(refusals::no_capture().at(line.whole()));
         }
-        Ok(Row { cells, of, target_um: target.unwrap_or_default(), value_um: None })
+        Ok(CaptureRow { cells, of, target_um: target.unwrap_or_default(), value_um: None })
     }
 
     fn column(&self, name: &str) -> Option<usize> {
@@ -154,7 +154,7 @@ impl<'a> Form<'a> {
             um.insert(0, 0.0);
             (1..um.len()).for_each(|at| um[at] += um[at - 1]);
         }
-        let rows: Vec<&Row<'_>> = self.rows.iter().filter(|row| row.of == of).collect();
+        let rows: Vec<&CaptureRow<'_>> = self.rows.iter().filter(|row| row.of == of).collect();
         if um.len() != rows.len() {
             let first = um.len() - captures.len();
             let (at, problem) = self.off(of, &rows, &um, first);
@@ -170,7 +170,7 @@ impl<'a> Form<'a> {
     }
 
     /// What is wrong with the number of values, the `first` of which are not in the list.
-    fn off(&self, of: Option<Diagonal>, rows: &[&Row<'_>], um: &[f64], first: usize) -> Off {
+    fn off(&self, of: Option<Diagonal>, rows: &[&CaptureRow<'_>], um: &[f64], first: usize) -> Off {
         let (found, expected, walk) = (um.len(), rows.len(), self.expected(rows));
         let row = |place: usize| rows.get(place).or(rows.last());
         let name = |place| row(place).map_or(String::new(), |row| self.name(row));
@@ -190,14 +190,14 @@ impl<'a> Form<'a> {
     }
 
     /// A capture, as a person finds it in the form.
-    fn name(&self, row: &Row<'_>) -> String {
+    fn name(&self, row: &CaptureRow<'_>) -> String {
         let named = self.names.iter().zip(&row.cells);
         let named = named.filter(|(name, cell)| !cell.is_empty() && *name != DIAGONAL);
         joined(named.map(|(name, cell)| format!("{name} {}", shown(cell))))
     }
 
     /// What is expected of the values of one list.
-    fn expected(&self, rows: &[&Row<'_>]) -> Expected {
+    fn expected(&self, rows: &[&CaptureRow<'_>]) -> Expected {
         let cell =
             |at: usize, name: &str| self.column(name).map_or("", |index| &rows[at].cells[index]);
         let place = |at: usize| (cell(at, "node"), rows[at].target_um.to_bits());
@@ -206,7 +206,7 @@ impl<'a> Form<'a> {
         let turns = |at: usize| at > 0 && begins(at) && place(at) == place(at - 1);
         let mut met = HashMap::new();
         let twin = |at: usize| met.insert((place(at), pass(at).1), at);
-        let nominal = |row: &&Row<'_>| if self.with_targets { row.target_um } else { 0.0 };
+        let nominal = |row: &&CaptureRow<'_>| if self.with_targets { row.target_um } else { 0.0 };
         Expected {
             begins: (0..rows.len()).map(begins).collect(),
             turns: (0..rows.len()).map(turns).collect(),
@@ -270,21 +270,22 @@ fn told(located: Option<Located>, name: impl Fn(usize) -> String) -> (Option<usi
 type Capture<'a> = (Line<'a>, f64);
 
 /// Which column of the lists holds what: `displacement_…`, the way as it was read; else `deviation_…`, measured − nominal.
-type ListColumn = (Named, Column);
+type ListColumn = (ColumnName, Column);
 
 /// The way as it was read.
 const DISPLACEMENT: Content = Content::reading(Values::Positions);
 
-fn list_column(stated: &Stated) -> Result<ListColumn, Problem> {
+fn list_column(stated: &ImportFacts) -> Result<ListColumn, Problem> {
     let text = stated.columns.as_deref().ok_or_else(|| LIST_COLUMNS.missing())?;
     let known = named(&[
         ("displacement", DISPLACEMENT, &LENGTHS),
         ("deviation", Content::reading(Values::Deviations), &LENGTHS),
     ]);
-    let pair = text.rsplit_once('=').map(|(name, target)| (Named::of(name), target.trim()));
-    let found = pair.filter(|(name, _)| *name != Named::Number(0)).and_then(|(name, target)| {
-        Some((name, known.into_iter().find(|known| known.name == target)?))
-    });
+    let pair = text.rsplit_once('=').map(|(name, target)| (ColumnName::of(name), target.trim()));
+    let found =
+        pair.filter(|(name, _)| *name != ColumnName::Number(0)).and_then(|(name, target)| {
+            Some((name, known.into_iter().find(|known| known.name == target)?))
+        });
     found.ok_or_else(|| refusals::no_readings(shown(text)))
 }
 
@@ -296,12 +297,12 @@ fn captures<'a>(
 ) -> Result<Vec<Capture<'a>>, Problems> {
     let all = content(source, decimal)?;
     let (words, found) = match name {
-        Named::Text(name) => {
+        ColumnName::Text(name) => {
             let place = |line: &Line<'_>| line.cells().iter().position(|cell| cell == name);
             let found = all.iter().zip(1..).find_map(|(line, below)| Some((place(line)?, below)));
             (shown(name), found)
         }
-        Named::Number(number) => {
+        ColumnName::Number(number) => {
             let is_number = |cell: &Cow<'_, str>| written_number(cell, true).is_some();
             let has_one = |line: &Line<'_>| line.cells().get(number - 1).is_some_and(is_number);
             let start = all.iter().position(has_one);

@@ -7,11 +7,11 @@ use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Intake};
-use crate::inputs::import::mapping::{Mapping, Named, unit_of_name};
-use crate::inputs::import::reading::{Row, is_ascending, series};
+use crate::inputs::import::mapping::{ColumnName, Mapping, unit_of_name};
+use crate::inputs::import::reading::{ImportRow, is_ascending, series};
 use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Travel};
 use crate::inputs::refusals;
-use crate::inputs::table::{Cell, Column, Content, RUN, Row as Cells, Table, count};
+use crate::inputs::table::{Cell, Column, Content, RUN, Table, TableRow, count};
 use crate::inputs::target_runs::{Values, approach, small_um};
 use crate::quantity::{Axis, Direction, UM_PER_MM};
 use crate::text::{Line, Problem, Problems, grouped, lines, shown};
@@ -79,7 +79,7 @@ impl<'a> Intake<'a> {
     }
 
     /// What the rows hold, if all can be read; a row of the file for each run of it.
-    fn rows(&self, table: &mut Table<'a>, term: Option<Component>) -> Vec<Row<'a>> {
+    fn rows(&self, table: &mut Table<'a>, term: Option<Component>) -> Vec<ImportRow<'a>> {
         let (delimiter, width) = (table.header.delimiter(), table.header.cells().len());
         let separated = table.lines.iter().map(|line| line.separated_by(delimiter, false));
         let filled = separated.filter(|line| !line.is_empty_row());
@@ -97,7 +97,7 @@ impl<'a> Intake<'a> {
     }
 
     /// Where no name says whether values are positions, each has to be near its target.
-    fn refuse_unclear_values(&self, table: &Table<'_>, rows: &[Row<'_>]) {
+    fn refuse_unclear_values(&self, table: &Table<'_>, rows: &[ImportRow<'_>]) {
         const NAME_VALUES: &str = "`up1_actual_mm` holds positions, `up1_deviation_mm` deviations";
         let small_um = small_um(rows.iter().map(|row| row.position));
         let is_open = |own: Content| own.as_reading().is_some_and(|own| own.values.is_none());
@@ -149,9 +149,9 @@ impl<'a> Intake<'a> {
     fn rows_of(
         &self,
         columns: &[Column],
-        line: &Cells<'_, 'a>,
+        line: &TableRow<'_, 'a>,
         term: Option<Component>,
-    ) -> Option<Vec<Row<'a>>> {
+    ) -> Option<Vec<ImportRow<'a>>> {
         let stated = self.stated;
         // The way of the axis where the file says `+` or `-`, whose sense may have been stated.
         let way = |symbol: Direction| match stated.plus_moves {
@@ -202,7 +202,7 @@ impl<'a> Intake<'a> {
         });
         let row = |((direction, run), values)| {
             let line = line.line;
-            Row { line, axis, direction, run, position, values }
+            ImportRow { line, axis, direction, run, position, values }
         };
         complete.then(|| grouped(of_runs).into_iter().map(row).collect())
     }
@@ -254,11 +254,15 @@ fn columns_of(header: &Line<'_>, mapping: &Mapping) -> Result<Vec<Column>, Probl
 }
 
 /// The column of this name, two of which are not told apart by it, or of this number.
-fn place_of(header: &Line<'_>, cells: &[Cow<'_, str>], named: &Named) -> Result<usize, Problem> {
+fn place_of(
+    header: &Line<'_>,
+    cells: &[Cow<'_, str>],
+    named: &ColumnName,
+) -> Result<usize, Problem> {
     let name = match named {
-        Named::Text(name) => name,
-        Named::Number(number) if (1..=cells.len()).contains(number) => return Ok(number - 1),
-        Named::Number(number) => {
+        ColumnName::Text(name) => name,
+        ColumnName::Number(number) if (1..=cells.len()).contains(number) => return Ok(number - 1),
+        ColumnName::Number(number) => {
             return Err(refusals::no_such_number(number, cells.len()).at(header.whole()));
         }
     };
@@ -279,8 +283,8 @@ fn header_of<'a>(lines: &[Line<'a>], mapping: &Mapping) -> Result<Line<'a>, Prob
     let lacks = |line: &Line<'_>| -> Vec<&str> {
         let cells = line.cells();
         let names = mapping.columns.iter().filter_map(|(name, _)| match name {
-            Named::Text(name) => Some(name.as_str()),
-            Named::Number(_) => None,
+            ColumnName::Text(name) => Some(name.as_str()),
+            ColumnName::Number(_) => None,
         });
         names.filter(|name| !cells.iter().any(|cell| cell == name)).collect()
     };

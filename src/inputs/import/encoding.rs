@@ -3,7 +3,7 @@
 
 #[cfg(feature = "excel")]
 use crate::inputs::import::spreadsheet;
-use crate::inputs::import::stated::{ENCODINGS, Stated, encoding_name};
+use crate::inputs::import::stated::{ENCODINGS, ImportFacts, encoding_name};
 use crate::inputs::refusals;
 use crate::text::{Place, Problem, Problems, Source, joined};
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE};
@@ -35,7 +35,7 @@ impl Measurement<'_> {
 /// stated, the ending of the name says nothing: the file may be the CSV that was asked for.
 pub(super) fn text_of(
     file: Measurement<'_>,
-    stated: &Stated,
+    stated: &ImportFacts,
 ) -> Result<(Source, String), Problems> {
     let ending = file.name.rsplit_once('.').map_or("", |(_, ending)| ending);
     #[cfg(feature = "excel")]

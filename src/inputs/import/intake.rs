@@ -5,7 +5,7 @@ use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind, Series};
 use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::stated::{
-    AXIS, Fact, Format, MATERIAL_CORRECTED, MaterialCorrected, SIGN, Stated, TERM, word,
+    AXIS, Fact, Format, ImportFacts, MATERIAL_CORRECTED, MaterialCorrected, SIGN, TERM, word,
 };
 use crate::inputs::refusals::{self, AGAIN, MISSING};
 use crate::inputs::table::{RUN, count};
@@ -33,7 +33,7 @@ pub(super) type Contents = (Vec<Series>, Vec<Squareness>);
 /// A file while it is taken in.
 pub(super) struct Intake<'a> {
     pub(super) source: &'a Source,
-    pub(super) stated: &'a Stated,
+    pub(super) stated: &'a ImportFacts,
     pub(super) format: Format,
     /// What is wrong.
     pub(super) notes: Notes,
@@ -41,7 +41,7 @@ pub(super) struct Intake<'a> {
 }
 
 impl<'a> Intake<'a> {
-    pub(super) fn of(source: &'a Source, stated: &'a Stated, format: Format) -> Intake<'a> {
+    pub(super) fn of(source: &'a Source, stated: &'a ImportFacts, format: Format) -> Intake<'a> {
         let notes = Notes::default();
         stated.refuse_foreign(format, &notes);
         Intake { source, stated, format, notes, findings: RefCell::default() }

@@ -9,7 +9,7 @@
 use crate::inputs::error_table::{Component, Kind, known_columns};
 use crate::inputs::import::intake::Intake;
 use crate::inputs::import::parameters::is_isg_header;
-use crate::inputs::import::stated::{AXIS, DIRECTION, Format, Stated, Travel};
+use crate::inputs::import::stated::{AXIS, DIRECTION, Format, ImportFacts, Travel};
 use crate::inputs::import::{pos, rtl};
 use crate::inputs::kind::head;
 use crate::inputs::refusals;
@@ -24,7 +24,10 @@ const MOST_LINES: usize = 100;
 const MOST_COLUMNS: usize = 1000;
 
 /// The format of a file, and what was stated with what is understood beside it.
-pub(super) fn recognised(source: &Source, stated: &Stated) -> Result<(Format, Stated), Problem> {
+pub(super) fn recognised(
+    source: &Source,
+    stated: &ImportFacts,
+) -> Result<(Format, ImportFacts), Problem> {
     let mut whole = stated.clone();
     let known = if stated.columns.is_some() { Some(Format::Columns) } else { format_of(source) };
     let mut format = stated.from.or(known);
@@ -134,18 +137,18 @@ fn is_position(content: Content) -> bool {
 
 /// How the mapping names a column of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Named {
+pub(super) enum ColumnName {
     /// By the text in its header.
     Text(String),
     /// By its place in the row, from 1.
     Number(usize),
 }
 
-impl Named {
+impl ColumnName {
     /// `#3`, or the name itself.
-    pub(super) fn of(text: &str) -> Named {
+    pub(super) fn of(text: &str) -> ColumnName {
         let number = text.trim().strip_prefix('#').and_then(|number| number.trim().parse().ok());
-        number.map_or_else(|| Named::Text(text.trim().to_string()), Named::Number)
+        number.map_or_else(|| ColumnName::Text(text.trim().to_string()), ColumnName::Number)
     }
 }
 
@@ -211,13 +214,13 @@ pub(super) fn column_of(word: &str) -> Option<Column> {
 
 /// What the columns of the file hold.
 pub(super) struct Mapping {
-    pub(super) columns: Vec<(Named, Column)>,
+    pub(super) columns: Vec<(ColumnName, Column)>,
 }
 
 impl Mapping {
     pub(super) fn read(text: &str) -> Result<Mapping, Problems> {
         let mut problems = Problems::none();
-        let mut columns: Vec<(Named, Column)> = Vec::new();
+        let mut columns: Vec<(ColumnName, Column)> = Vec::new();
         for pair in pairs(text) {
             let Some((name, target)) = pair.rsplit_once('=') else {
                 problems.push(refusals::no_equals(shown(&pair)));
@@ -233,9 +236,9 @@ impl Mapping {
             if columns.iter().any(|(_, other)| other.content.is_same(column.content)) {
                 problems.push(refusals::mapped_like_another(target));
             }
-            columns.push((Named::of(name), column));
+            columns.push((ColumnName::of(name), column));
         }
-        let is_number = |(name, _): &(Named, Column)| matches!(name, Named::Number(_));
+        let is_number = |(name, _): &(ColumnName, Column)| matches!(name, ColumnName::Number(_));
         if columns.iter().all(is_number) && problems.is_empty() {
             problems.push(refusals::only_numbers());
         }

@@ -45,7 +45,7 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
         (version != KNOWN_VERSION)
             .then(|| ImportFinding::OtherVersion { version: shown(version), known: KNOWN_VERSION }),
     );
-    let (header, measured) = (header(&fields, &first), Measured::read(&lines, intake));
+    let (header, measured) = (header(&fields, &first), PosColumns::read(&lines, intake));
     let (header, measured) = (header?, measured?);
     if sign == Some(TableSign::AsCorrection) {
         let help = "state `--sign as-error`";
@@ -122,7 +122,7 @@ fn header(fields: &Fields<'_>, first: &Piece<'_>) -> Option<Header> {
 }
 
 /// What was measured, column by column.
-struct Measured<'a> {
+struct PosColumns<'a> {
     heading: Piece<'a>,
     lines: Vec<Piece<'a>>,
     positions: Vec<f64>,
@@ -133,7 +133,7 @@ struct Measured<'a> {
     sensors: Vec<(&'a str, Vec<f64>)>,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> PosColumns<'a> {
     fn read(lines: &[Piece<'a>], intake: &'a Intake<'a>) -> Option<Self> {
         let words_of = |line: &Piece<'a>| -> Vec<&'a str> {
             line.words(char::is_whitespace).iter().map(|word| word.text).collect()
@@ -157,7 +157,7 @@ impl<'a> Measured<'a> {
         let others = names.into_iter().zip(columns).enumerate();
         let others = others.filter(|(index, _)| !at.contains(index));
         let sensors = others.map(|(_, sensor)| sensor).collect();
-        Some(Measured { heading, lines, positions, errors, readings, states, sensors })
+        Some(PosColumns { heading, lines, positions, errors, readings, states, sensors })
     }
 
     /// Rows of each pass: `NumofPos` each, `RunNum` in one direction or in both. They go forward where the

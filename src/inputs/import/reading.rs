@@ -235,7 +235,7 @@ pub(super) fn unlikely_reversals(series: &[Series]) -> Vec<ImportFinding> {
 }
 
 /// A row whose mapped cells could be read.
-pub(super) struct Row<'a> {
+pub(super) struct ImportRow<'a> {
     pub(super) line: Line<'a>,
     pub(super) axis: Axis,
     pub(super) direction: Option<Direction>,
@@ -249,7 +249,7 @@ pub(super) struct Row<'a> {
 
 /// Whether the targets ascend from the first row of the file, which holds its first target: one end, the same
 /// for every group of rows.
-pub(super) fn is_ascending(rows: &[Row<'_>], intake: &Intake<'_>) -> bool {
+pub(super) fn is_ascending(rows: &[ImportRow<'_>], intake: &Intake<'_>) -> bool {
     let Some(first) = rows.first() else {
         return true;
     };
@@ -266,12 +266,12 @@ pub(super) fn is_ascending(rows: &[Row<'_>], intake: &Intake<'_>) -> bool {
 /// The series of each axis and direction. `targets` = the first target of the file, mm (`None` = positions are
 /// machine coordinates), and whether positions ascend from the first one of the file.
 pub(super) fn series(
-    rows: &[Row<'_>],
+    rows: &[ImportRow<'_>],
     targets: (Option<f64>, bool),
     sign: TableSign,
     intake: &Intake<'_>,
 ) -> Vec<Series> {
-    let mut groups: BTreeMap<(Axis, Option<Direction>), Vec<&Row<'_>>> = BTreeMap::new();
+    let mut groups: BTreeMap<(Axis, Option<Direction>), Vec<&ImportRow<'_>>> = BTreeMap::new();
     for row in rows {
         groups.entry((row.axis, row.direction)).or_default().push(row);
     }
@@ -286,7 +286,7 @@ struct Group<'a, 'b> {
     targets: (Option<f64>, bool),
     axis: Axis,
     direction: Option<Direction>,
-    rows: Vec<&'b Row<'a>>,
+    rows: Vec<&'b ImportRow<'a>>,
     intake: &'b Intake<'b>,
 }
 
@@ -302,7 +302,8 @@ impl<'a, 'b> Group<'a, 'b> {
         self.say(runs.len(), &placing);
         let mut series = Series::new(self.axis, self.direction, placing.positions.clone());
         for (index, (quantity, _)) in self.rows.first()?.values.iter().enumerate() {
-            let of_run = |run: &Vec<&Row<'_>>| run.iter().map(|row| row.values[index].1).collect();
+            let of_run =
+                |run: &Vec<&ImportRow<'_>>| run.iter().map(|row| row.values[index].1).collect();
             let values: Vec<Vec<f64>> = runs.iter().map(of_run).collect();
             match *quantity {
                 Content::Value(kind) => {
@@ -350,12 +351,12 @@ impl<'a, 'b> Group<'a, 'b> {
     }
 
     /// The rows of each run, in the order of their positions; all runs at the same positions.
-    fn runs(&self) -> Option<Vec<Vec<&'b Row<'a>>>> {
-        let mut runs: BTreeMap<u64, Vec<&'b Row<'a>>> = BTreeMap::new();
+    fn runs(&self) -> Option<Vec<Vec<&'b ImportRow<'a>>>> {
+        let mut runs: BTreeMap<u64, Vec<&'b ImportRow<'a>>> = BTreeMap::new();
         for row in &self.rows {
             runs.entry(row.run).or_default().push(row);
         }
-        let mut runs: Vec<Vec<&'b Row<'a>>> = runs.into_values().collect();
+        let mut runs: Vec<Vec<&'b ImportRow<'a>>> = runs.into_values().collect();
         let mut whole = true;
         for run in &mut runs {
             whole &= self.is_in_order(run);
@@ -365,8 +366,9 @@ impl<'a, 'b> Group<'a, 'b> {
             }
             whole &= self.is_single(run);
         }
-        let differ =
-            |(a, b): (&&Row<'_>, &&Row<'_>)| (a.position - b.position).abs() > SAME_PLACE_MM;
+        let differ = |(a, b): (&&ImportRow<'_>, &&ImportRow<'_>)| {
+            (a.position - b.position).abs() > SAME_PLACE_MM
+        };
         for run in runs.iter().skip(1) {
             if run.len() != runs[0].len() || run.iter().zip(&runs[0]).any(differ) {
                 whole = self.refuse(run[0], refusals::other_run(run[0].run));
@@ -380,14 +382,14 @@ impl<'a, 'b> Group<'a, 'b> {
         whole.then_some(runs)
     }
 
-    fn refuse(&self, row: &Row<'_>, problem: Problem) -> bool {
+    fn refuse(&self, row: &ImportRow<'_>, problem: Problem) -> bool {
         self.intake.notes.refuse_with(|| problem.at(row.line.whole()));
         false
     }
 
     /// A run goes one way: a row that turns back belongs to another run, or its number was misread.
-    fn is_in_order(&self, run: &[&Row<'_>]) -> bool {
-        let step = |pair: &[&Row<'_>]| pair[1].position - pair[0].position;
+    fn is_in_order(&self, run: &[&ImportRow<'_>]) -> bool {
+        let step = |pair: &[&ImportRow<'_>]| pair[1].position - pair[0].position;
         let mut pairs = run.windows(2);
         let first = pairs.clone().map(step).find(|step| step.abs() > 0.0).unwrap_or_default();
         pairs.find(|pair| step(pair) * first < 0.0).is_none_or(|pair| {
@@ -396,8 +398,8 @@ impl<'a, 'b> Group<'a, 'b> {
         })
     }
 
-    fn is_single(&self, run: &[&Row<'_>]) -> bool {
-        let tidy = |row: &Row<'_>| tidy(row.position);
+    fn is_single(&self, run: &[&ImportRow<'_>]) -> bool {
+        let tidy = |row: &ImportRow<'_>| tidy(row.position);
         let twice = run
             .windows(2)
             .filter(|pair| tidy(pair[0]).total_cmp(&tidy(pair[1])).is_eq())

@@ -13,7 +13,7 @@ use crate::inputs::findings::ImportFinding;
 use crate::inputs::import::encoding::{Measurement, text_of};
 use crate::inputs::import::intake::{Contents, Fields, Intake, Piece, named_axis};
 use crate::inputs::import::reading::{Passes, Placing, Ways};
-use crate::inputs::import::stated::{Format, RUNS, Runs, Stated};
+use crate::inputs::import::stated::{Format, ImportFacts, RUNS, Runs};
 use crate::inputs::{refusals, target_runs};
 use crate::quantity::{Axis, Direction, Pass};
 use crate::text::{Finding, LARGEST_NUMBER, Place, Problem, Problems, joined, plain_number, shown};
@@ -45,7 +45,7 @@ const POSITIONING: Component = Component { kind: Kind::Deviation(Axis::X), along
 /// limits the targets keep the coordinates of the file: no figure depends on where they are
 pub fn measured_runs(
     file: Measurement<'_>,
-    stated: &Stated,
+    stated: &ImportFacts,
 ) -> Result<(target_runs::Runs, Vec<Finding>), Problems> {
     let (source, name) = text_of(file, stated)?;
     let intake = Intake::of(&source, stated, Format::Rtl);
@@ -82,7 +82,7 @@ fn runs_of<'a>(intake: &'a Intake<'a>) -> Option<target_runs::Runs> {
 
 /// The coordinate of the first target: that of the file, mirrored at its zero where the file counts
 /// against the axis.
-fn first_target_mm(targets: &[f64], stated: &Stated) -> Option<f64> {
+fn first_target_mm(targets: &[f64], stated: &ImportFacts) -> Option<f64> {
     let (first, last) = (targets.first()?, targets.last()?);
     let run = stated.targets_run.unwrap_or(Direction::Plus);
     let along = (first < last) == (run == Direction::Plus);

@@ -114,7 +114,7 @@ pub(super) fn described(format: Format) -> String {
 
 /// What was stated on the command line; `None` = nothing.
 #[derive(Args, Clone, Debug, Default)]
-pub struct Stated {
+pub struct ImportFacts {
     /// Format of the file [default: by what stands in it]
     #[arg(long, value_name = "FORMAT")]
     pub from: Option<Format>,
@@ -222,7 +222,7 @@ pub(super) struct Fact {
     /// The formats for which it has a meaning.
     formats: &'static [Format],
     /// What was stated, in words.
-    value: fn(&Stated) -> Option<String>,
+    value: fn(&ImportFacts) -> Option<String>,
     /// Why it has to be stated.
     pub(super) why: &'static str,
     /// What to add.
@@ -271,7 +271,7 @@ pub(super) const LIST_COLUMNS: Fact = Fact {
 
 impl Fact {
     /// The option with what was stated.
-    pub(super) fn statement(&self, stated: &Stated) -> Option<String> {
+    pub(super) fn statement(&self, stated: &ImportFacts) -> Option<String> {
         Some(format!("{} {}", self.option, (self.value)(stated)?))
     }
 
@@ -286,7 +286,7 @@ impl Fact {
     }
 }
 
-impl Stated {
+impl ImportFacts {
     /// Every option with its value, in a fixed order.
     pub fn given(&self) -> Vec<(&'static str, String)> {
         FACTS.iter().filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
@@ -298,7 +298,7 @@ impl Stated {
     }
 
     /// What is given here, but not there, as options.
-    pub(super) fn beyond(&self, other: &Stated) -> Option<String> {
+    pub(super) fn beyond(&self, other: &ImportFacts) -> Option<String> {
         let other = other.given();
         let own = self.given().into_iter().filter(|own| !other.contains(own));
         let own = own.map(|(option, value)| format!("{option} {value}")).collect::<Vec<_>>();

@@ -11,7 +11,7 @@
 //! its increments mean anything, and [`crate::inputs::readings::Readings::offset_known`] says so.
 
 use crate::inputs::job::TEMPERATURES_C;
-use crate::inputs::readings::{Row, Walk, Walked};
+use crate::inputs::readings::{ReadingRow, Walk, Walked};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content};
 use crate::inputs::target_runs::Values;
@@ -22,7 +22,7 @@ use crate::text::Problem;
 
 impl Walked<'_, '_> {
     /// Notes a problem of a row as a whole.
-    pub(super) fn refuse(&self, row: &Row<'_>, problem: Problem) {
+    pub(super) fn refuse(&self, row: &ReadingRow<'_>, problem: Problem) {
         self.table.notes.refuse(problem.at(row.line.whole()));
     }
 
@@ -38,7 +38,7 @@ impl Walked<'_, '_> {
     }
 
     /// Whether rows of a way back belong to forward rows, and to nothing else.
-    fn check_back(&self, walk: Walk, row: &Row<'_>) {
+    fn check_back(&self, walk: Walk, row: &ReadingRow<'_>) {
         if walk.is_own() {
             return self.refuse(row, refusals::named_back(walk, walk.name(), walk.diagonal));
         }
@@ -91,11 +91,11 @@ impl Walked<'_, '_> {
     }
 
     /// All walks are complete, but to another last node than the job's: one mistake, said once.
-    fn other_number_of_nodes(&self) -> Option<(&Row<'_>, Problem)> {
+    fn other_number_of_nodes(&self) -> Option<(&ReadingRow<'_>, Problem)> {
         let volume = &self.path.volume;
         let end = self.walks.values().next()?.last()?;
         let found = end.node;
-        let is_complete = |rows: &Vec<&Row<'_>>| {
+        let is_complete = |rows: &Vec<&ReadingRow<'_>>| {
             rows.last().is_some_and(|row| row.node == found) && missing(rows, found).is_empty()
         };
         if found == self.last || found == 0 || !self.walks.values().all(is_complete) {
@@ -139,8 +139,8 @@ impl Walked<'_, '_> {
     fn wrong_move<'r, 'a>(
         &self,
         walk: Walk,
-        rows: &[&'r Row<'a>],
-    ) -> Option<(&'r Row<'a>, Problem)> {
+        rows: &[&'r ReadingRow<'a>],
+    ) -> Option<(&'r ReadingRow<'a>, Problem)> {
         let (volume, last) = (&self.path.volume, self.last);
         let forward = |node: usize| (node > 0).then(|| volume.moved(node));
         let expected = |node: usize| match walk.is_own() && node > 0 {
@@ -163,13 +163,13 @@ impl Walked<'_, '_> {
     }
 
     /// What may have been meant by other axes than those of the job's order.
-    fn next_step(&self, walk: Walk, rows: &[&Row<'_>]) -> String {
+    fn next_step(&self, walk: Walk, rows: &[&ReadingRow<'_>]) -> String {
         let (volume, last) = (&self.path.volume, self.last);
         let follows = |order: &[Axis; 3]| {
             let mut moves = rows.iter().filter(|row| row.node > 0);
             *order != volume.order && moves.all(|row| row.moved == Some(order[(row.node + 2) % 3]))
         };
-        let next = |row: &Row<'_>| (row.node < last).then(|| volume.moved(row.node + 1));
+        let next = |row: &ReadingRow<'_>| (row.node < last).then(|| volume.moved(row.node + 1));
         match Axis::ORDERS.into_iter().find(follows) {
             _ if walk.is_own() => refusals::MOVED.to_string(),
             _ if rows.iter().all(|row| row.moved == next(row)) => {
@@ -185,7 +185,7 @@ impl Walked<'_, '_> {
 }
 
 /// Ranges of nodes from 0 to `last` that no row has.
-fn missing(rows: &[&Row<'_>], last: usize) -> Vec<(usize, usize)> {
+fn missing(rows: &[&ReadingRow<'_>], last: usize) -> Vec<(usize, usize)> {
     let mut missing = Vec::new();
     let mut next = 0;
     for node in rows.iter().map(|row| row.node).filter(|node| *node <= last).chain([last + 1]) {
@@ -232,7 +232,7 @@ const ZERO_UM: f64 = 1e-3;
 
 impl Walked<'_, '_> {
     /// Measured − nominal displacement of a row in the direction that its walk counts, µm.
-    fn deviation_um(&self, row: &Row<'_>) -> f64 {
+    fn deviation_um(&self, row: &ReadingRow<'_>) -> f64 {
         match self.values {
             Values::Deviations => self.signed(row.um),
             Values::Positions => self.beyond_um(row, self.path.volume.order),
@@ -240,7 +240,7 @@ impl Walked<'_, '_> {
     }
 
     /// How far a displacement goes beyond the nominal one of an order of the axes, µm.
-    fn beyond_um(&self, row: &Row<'_>, order: [Axis; 3]) -> f64 {
+    fn beyond_um(&self, row: &ReadingRow<'_>, order: [Axis; 3]) -> f64 {
         self.signed(row.um) - self.nominal_mm(row, order) * UM_PER_MM
     }
 
@@ -252,7 +252,7 @@ impl Walked<'_, '_> {
         }
     }
 
-    fn nominal_mm(&self, row: &Row<'_>, order: [Axis; 3]) -> f64 {
+    fn nominal_mm(&self, row: &ReadingRow<'_>, order: [Axis; 3]) -> f64 {
         let volume = Volume { order, ..self.path.volume.clone() };
         let nominal = |node| volume.nominal_mm(row.walk.diagonal, self.path.kind, node);
         match row.walk.is_own() {
@@ -276,7 +276,7 @@ impl Walked<'_, '_> {
     /// Notes readings that are no deviation of a machine.
     pub(super) fn check_readings(&self) {
         for rows in self.walks.values() {
-            let is_implausible = |row: &&&Row<'_>| {
+            let is_implausible = |row: &&&ReadingRow<'_>| {
                 row.node <= self.last && self.deviation_um(row).abs() > LARGEST_DEVIATION_UM
             };
             if let Some(row) = rows.iter().find(is_implausible) {
@@ -285,7 +285,7 @@ impl Walked<'_, '_> {
         }
     }
 
-    fn implausible(&self, row: &Row<'_>) -> Problem {
+    fn implausible(&self, row: &ReadingRow<'_>) -> Problem {
         let (walk, node) = (row.walk, row.node);
         let read = row.um / UM_PER_MM;
         if self.values == Values::Deviations {
@@ -333,7 +333,7 @@ impl Walked<'_, '_> {
 
     fn check_column(&self, axis: Axis, column: &Column) {
         let name = &column.name;
-        let refuse = |row: &Row<'_>, problem: Problem| {
+        let refuse = |row: &ReadingRow<'_>, problem: Problem| {
             self.table.notes.refuse(problem.at(row.line.cell_place(column.index)));
         };
         let given = self.walks.values().flatten();
@@ -343,7 +343,7 @@ impl Walked<'_, '_> {
             refuse(row, refusals::no_room_temperature(name, c, low, high));
         }
         for (walk, rows) in &self.walks {
-            let is_given = |row: &&Row<'_>| row.temperatures_c[axis].is_some();
+            let is_given = |row: &&ReadingRow<'_>| row.temperatures_c[axis].is_some();
             let empty = rows.iter().find(|row| !is_given(row));
             if let Some(row) = empty.filter(|_| rows.iter().any(is_given)) {
                 refuse(row, refusals::temperature_missing(walk, row.node, name));
@@ -352,15 +352,15 @@ impl Walked<'_, '_> {
     }
 
     /// The run of a complete walk, less its zero.
-    pub(super) fn run(&self, walk: Walk, rows: &[&Row<'_>]) -> Run {
-        let mut forward: Vec<&Row<'_>> = rows.to_vec();
+    pub(super) fn run(&self, walk: Walk, rows: &[&ReadingRow<'_>]) -> Run {
+        let mut forward: Vec<&ReadingRow<'_>> = rows.to_vec();
         let sign = if walk.is_own() { -1.0 } else { 1.0 };
         if walk.is_own() {
             forward.reverse();
         }
         let zero_um = self.zero_um(walk).unwrap_or(0.0);
         let deviation =
-            |row: &&Row<'_>| Deviation::from_um(sign * self.deviation_um(row) - zero_um);
+            |row: &&ReadingRow<'_>| Deviation::from_um(sign * self.deviation_um(row) - zero_um);
         let temperatures = |axis| forward.iter().map(|row| row.temperatures_c[axis]).collect();
         Run {
             diagonal: walk.diagonal,

@@ -2,8 +2,10 @@
 //! missing, and not whether a value is a position or a deviation, unless the values leave no doubt.
 
 use crate::inputs::refusals::{self, RUNS, STATE_VALUES};
-use crate::inputs::table::{self, Column, Content, LENGTHS, RUN, Row, Table, Unit, count, named};
-use crate::inputs::target_runs::{Runs, Stated, Values, approach, small_um};
+use crate::inputs::table::{
+    self, Column, Content, LENGTHS, RUN, Table, TableRow, Unit, count, named,
+};
+use crate::inputs::target_runs::{RunFacts, Runs, Values, approach, small_um};
 use crate::quantity::{Direction, Figure, UM_PER_MM};
 use crate::text::{Line, Notes, Problem, Problems, Source};
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,7 +40,7 @@ impl Runs {
     ///
     /// Two layouts: one row for each target (`target_mm,up1_mm,…,dn1_mm,…`), or one row for each
     /// reading (`target_mm,run,direction,deviation_um`). See docs/interface.md §2.4.
-    pub fn read(source: &Source, stated: Stated) -> Result<Runs, Problems> {
+    pub fn read(source: &Source, stated: RunFacts) -> Result<Runs, Problems> {
         let notes = Notes::default();
         let layout = Layout::read(source, &notes, stated)?;
         let readings = layout.readings();
@@ -80,7 +82,7 @@ impl Runs {
 
 impl<'a> Layout<'a> {
     /// The layout of a file, with what was stated beside it.
-    fn read(source: &'a Source, notes: &'a Notes, stated: Stated) -> Result<Self, Problems> {
+    fn read(source: &'a Source, notes: &'a Notes, stated: RunFacts) -> Result<Self, Problems> {
         let what = "table, expected a header and the runs of an axis";
         let mut table = Table::read(source, notes, [what, RUNS, RUNS], |header| {
             refuse_other_tables(header)?;
@@ -140,7 +142,7 @@ impl<'a> Layout<'a> {
     }
 
     /// The readings of a row: column, direction of approach, number of the run, value.
-    fn cells(&self, row: &Row<'_, '_>) -> Vec<(&Column, Direction, u32, f64)> {
+    fn cells(&self, row: &TableRow<'_, '_>) -> Vec<(&Column, Direction, u32, f64)> {
         if let Some(column) = &self.reading {
             let run = row.parsed(Content::Run, None, count, RUN);
             let direction = row.parsed(Content::Direction, None, approach, DIRECTION);
@@ -253,7 +255,7 @@ const LARGEST_MM: f64 = 1.0;
 const DIRECTION: (&str, &str) =
     ("`+` (up) or `-` (down)", "`+` = the axis came from smaller coordinates");
 
-fn length(row: &Row<'_, '_>, column: &Column) -> Option<f64> {
+fn length(row: &TableRow<'_, '_>, column: &Column) -> Option<f64> {
     let help = "a missing reading is not filled in; leave out its run or its target as a whole";
     row.cell(column).reading(help)
 }

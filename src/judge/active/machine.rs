@@ -15,7 +15,7 @@ use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
 use crate::judge::field::{Field, Pair};
 use crate::judge::findings::{InControl, InSum, joined};
 use crate::judge::refusals;
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::machine::model::{ErrorModel, MeasuredTerm, TermCurves};
 use crate::quantity::{
     AT_PLACE_MM, Axis, Deviation, Direction, ErrorCurve, ErrorTerm, Interpolation, Millimetres,
     PerAxis, Rotation,
@@ -237,15 +237,15 @@ impl Sum<'_> {
             one_if_same(with(curve, Direction::Plus), with(curve, Direction::Minus))
         };
         let measured = match &own.measured {
-            Measured::OneWay(direction, curve) => match both(curve) {
-                Measured::Undirected(sum) => Measured::OneWay(*direction, sum),
+            TermCurves::OneWay(direction, curve) => match both(curve) {
+                TermCurves::Undirected(sum) => TermCurves::OneWay(*direction, sum),
                 apart => apart,
             },
-            Measured::BothWays { plus, minus } => Measured::BothWays {
+            TermCurves::BothWays { plus, minus } => TermCurves::BothWays {
                 plus: with(plus, Direction::Plus),
                 minus: with(minus, Direction::Minus),
             },
-            Measured::Undirected(curve) => both(curve),
+            TermCurves::Undirected(curve) => both(curve),
         };
         if measured.has_both_ways() && !own.measured.has_both_ways() {
             own.count_both_ways();
@@ -257,12 +257,12 @@ impl Sum<'_> {
 }
 
 /// One curve where both directions are the same.
-fn one_if_same(plus: ErrorCurve, minus: ErrorCurve) -> Measured {
+fn one_if_same(plus: ErrorCurve, minus: ErrorCurve) -> TermCurves {
     let same = |at: &Millimetres| (plus.at(*at) - minus.at(*at)).um().abs() <= NOTHING_UM;
     if plus.knots().iter().chain(minus.knots()).all(same) {
-        Measured::Undirected(plus)
+        TermCurves::Undirected(plus)
     } else {
-        Measured::BothWays { plus, minus }
+        TermCurves::BothWays { plus, minus }
     }
 }
 

@@ -131,7 +131,7 @@ pub struct KitManifest {
     /// What was written.
     pub(crate) files: Vec<HashedFile>,
     /// The control outside the files; `None` of a kit from before manifests held it.
-    pub(crate) state: Option<State>,
+    pub state: Option<State>,
     /// The machine.
     pub(crate) machine: Machine,
 }

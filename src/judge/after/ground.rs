@@ -6,7 +6,7 @@ use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Frame, Job, Linear, LinearSlope};
 use crate::judge::findings::{AsLeft, joined};
 use crate::judge::refusals;
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::machine::model::{ErrorModel, MeasuredTerm, TermCurves};
 use crate::machine::separation::curves::range;
 use crate::quantity::{Axis, Direction, ErrorCurve, ErrorTerm, Volume};
 use crate::text::{Finding, Problems, Severity};
@@ -299,7 +299,7 @@ pub(crate) fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option
         let reversal = second.reversal();
         if let Some(reversal) = reversal.filter(|_| !first.measured.has_both_ways()) {
             reversals_um.push((term, reversal.um()));
-            second.measured = Measured::Undirected(second.measured.mean());
+            second.measured = TermCurves::Undirected(second.measured.mean());
         }
     }
     (!reversals_um.is_empty())

@@ -106,7 +106,7 @@ impl AfterMeasurement {
 
 /// One deviation that a value sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct SeenDeviation {
     /// Which error.
     pub term: ErrorTerm,
     /// The way its axis travels.
@@ -117,7 +117,7 @@ pub struct Part {
     pub weight: f64,
 }
 
-impl Part {
+impl SeenDeviation {
     /// The correction there, µm.
     pub(super) fn added_um(&self, control: &Field) -> f64 {
         control.correction(self.term, self.direction, self.at).um()
@@ -128,7 +128,7 @@ impl Part {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// What it sees.
-    pub parts: Vec<Part>,
+    pub parts: Vec<SeenDeviation>,
     /// The value, µm.
     pub um: f64,
     /// The same of the machine without tables, from the first measurement: Σ weight · deviation, µm.
@@ -147,7 +147,7 @@ pub struct Observation {
 
 impl Observation {
     /// Σ weight · value of each part; `None` where one is unknown.
-    pub fn predicted(&self, value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+    pub fn predicted(&self, value: impl Fn(&SeenDeviation) -> Option<f64>) -> Option<f64> {
         weighted(&self.parts, value)
     }
 
@@ -163,7 +163,7 @@ impl Observation {
     }
 }
 
-fn weighted(parts: &[Part], value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
+fn weighted(parts: &[SeenDeviation], value: impl Fn(&SeenDeviation) -> Option<f64>) -> Option<f64> {
     parts.iter().map(|part| Some(part.weight * value(part)?)).sum()
 }
 
@@ -211,7 +211,7 @@ fn of_term(
 }
 
 /// Σ (weight · u)² over the errors that a value sees; parts of one term move together.
-fn variance(parts: &[Part], u_um: impl Fn(ErrorTerm) -> Option<f64>) -> f64 {
+fn variance(parts: &[SeenDeviation], u_um: impl Fn(ErrorTerm) -> Option<f64>) -> f64 {
     let of = |term: ErrorTerm| {
         let weight: f64 = parts.iter().filter(|part| part.term == term).map(|p| p.weight).sum();
         (weight * u_um(term).unwrap_or(0.0)).squared()
@@ -220,7 +220,7 @@ fn variance(parts: &[Part], u_um: impl Fn(ErrorTerm) -> Option<f64>) -> f64 {
 }
 
 /// What the first measurement says of a value; `None` where it has no answer.
-fn found_um(before: &ErrorModel, parts: &[Part]) -> Option<f64> {
+fn found_um(before: &ErrorModel, parts: &[SeenDeviation]) -> Option<f64> {
     weighted(parts, |part| before_um(before, part)).filter(|_| !parts.is_empty())
 }
 
@@ -231,7 +231,7 @@ fn parts_of(
     first: &MeasuredTerm,
     way: Option<Direction>,
     at: Millimetres,
-) -> Vec<Part> {
+) -> Vec<SeenDeviation> {
     let known = |direction: &Direction| {
         let curve = first.measured.curve(*direction);
         curve.is_some_and(|curve| {
@@ -244,7 +244,7 @@ fn parts_of(
         .filter(|direction| way.is_none_or(|way| way == *direction) && known(direction))
         .collect();
     let weight = if ways.len() == 2 { 0.5 } else { 1.0 };
-    ways.into_iter().map(|direction| Part { term, direction, at, weight }).collect()
+    ways.into_iter().map(|direction| SeenDeviation { term, direction, at, weight }).collect()
 }
 
 fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation> {
@@ -253,13 +253,13 @@ fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation>
         let (laser, is_back) = (runs.volume.laser(walk.diagonal), walk.pass == Pass::Reverse);
         for (node, um) in walk.um.iter().enumerate() {
             let place = runs.volume.place(walk.diagonal, PathKind::Straight, node);
-            let part = |term: ErrorTerm| Part {
+            let part = |term: ErrorTerm| SeenDeviation {
                 term,
                 direction: walk.diagonal.travelled(term.along, walk.pass),
                 at: place[term.along],
                 weight: laser[term.of],
             };
-            let parts: Vec<Part> = ErrorTerm::ALL.into_iter().map(part).collect();
+            let parts: Vec<SeenDeviation> = ErrorTerm::ALL.into_iter().map(part).collect();
             let Some(found_um) = found_um(before, &parts) else {
                 continue; // refused before: every term was measured in every direction walked
             };
@@ -283,7 +283,7 @@ fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation>
 
 /// The deviation as found where a part of an observation looks, µm; `None` = not measured in this
 /// direction.
-pub fn before_um(before: &ErrorModel, part: &Part) -> Option<f64> {
+pub fn before_um(before: &ErrorModel, part: &SeenDeviation) -> Option<f64> {
     let measured = before.terms[part.term].as_ref()?;
     Some(measured.measured.curve(part.direction)?.at(part.at).um())
 }

@@ -1,6 +1,6 @@
 //! The changes that are tried, and what each makes of the corrections.
 
-use crate::judge::after::{Observation, Part, before_um};
+use crate::judge::after::{Observation, SeenDeviation, before_um};
 use crate::judge::field::Field;
 use crate::machine::model::ErrorModel;
 use crate::quantity::{
@@ -127,7 +127,12 @@ impl Change {
     /// What shows on the machine where a part looks, beside the deviation as found, µm: what the control
     /// adds with this change; and what the temperature adds to the machine, or a turned sign or a slip
     /// of the records to a measurement.
-    pub(super) fn effect(&self, question: &Question<'_>, fitted: &[f64], part: &Part) -> [f64; 2] {
+    pub(super) fn effect(
+        &self,
+        question: &Question<'_>,
+        fitted: &[f64],
+        part: &SeenDeviation,
+    ) -> [f64; 2] {
         let (term, way, at) = (part.term, part.direction, part.at.mm());
         let control = question.control;
         let tables = |term, way, mm| control.tables_um(term, way, Millimetres::new(mm));
@@ -211,7 +216,7 @@ impl Slip {
 
 /// What the first readings are once a slip is taken back.
 #[derive(Clone, Debug)]
-pub struct Corrected {
+pub struct WithoutSlip {
     /// The slip.
     pub slip: Slip,
     /// The machine without tables, from the same readings, filed right.
@@ -229,7 +234,7 @@ pub struct Question<'a> {
     /// What these added.
     pub old: &'a Field,
     /// The same readings with one slip of their records taken back; empty = none is tried.
-    pub corrected: &'a [Corrected],
+    pub corrected: &'a [WithoutSlip],
     /// What the loaded tables add.
     pub control: &'a Field,
     /// The values of the second measurement.
@@ -250,7 +255,7 @@ pub struct Question<'a> {
 
 impl Question<'_> {
     /// The deviations that the second measurement sees.
-    pub(super) fn parts(&self) -> impl Iterator<Item = &Part> {
+    pub(super) fn parts(&self) -> impl Iterator<Item = &SeenDeviation> {
         self.seen.iter().flat_map(|observation| &observation.parts)
     }
 
@@ -262,7 +267,7 @@ impl Question<'_> {
 
     /// What the first measurement may have missed where a part looks, µm: what a straight line and a spline through its
     /// targets differ by, nothing at a target.
-    pub(super) fn unseen_um(&self, part: &Part) -> f64 {
+    pub(super) fn unseen_um(&self, part: &SeenDeviation) -> f64 {
         let measured = self.under_tables.unwrap_or(self.before).terms[part.term].as_ref();
         measured.and_then(|term| term.measured.curve(part.direction)).map_or(0.0, |curve| {
             const NEAR: usize = 4; // farther targets bend a spline by less than a hundredth
@@ -281,14 +286,14 @@ impl Question<'_> {
     }
 
     /// What a positioning error gains where its scale is longer by so much, µm; a cross term gains nothing.
-    pub(super) fn grown_um(&self, part: &Part, um_per_m: f64) -> f64 {
+    pub(super) fn grown_um(&self, part: &SeenDeviation, um_per_m: f64) -> f64 {
         let from_zero = part.at.mm() - self.reference_mm[part.term.along];
         if part.term.is_positioning() { um_per_m * from_zero / 1000.0 } else { 0.0 }
     }
 
     /// What a backlash parameter of −B as found adds to a positioning error, µm: it acts away from the
     /// reference direction; 0 where B was not measured.
-    pub(super) fn parameter_um(&self, part: &Part) -> f64 {
+    pub(super) fn parameter_um(&self, part: &SeenDeviation) -> f64 {
         let axis = part.term.along;
         let measured = self.before.terms[ErrorTerm::positioning(axis)].as_ref();
         let reversal = measured.and_then(|term| term.reversal());

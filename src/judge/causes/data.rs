@@ -1,7 +1,7 @@
 //! The values of the second measurement, their weights, and the misfit of a change.
 
 use super::change::Change;
-use crate::judge::after::{Observation, Part};
+use crate::judge::after::{Observation, SeenDeviation};
 use crate::judge::causes::change::Question;
 use crate::quantity::{ErrorTerm, Squared, larger, smaller};
 use serde::Serialize;
@@ -207,7 +207,7 @@ impl<'a> Data<'a> {
 
     /// What each value sees of the control with a change, and beside it, µm.
     pub(super) fn effects(&self, change: &Change, fitted: &[f64]) -> Vec<f64> {
-        let effect = |part: &Part| {
+        let effect = |part: &SeenDeviation| {
             let [added, beside] = change.effect(self.question, fitted, part);
             part.weight * (added + beside)
         };

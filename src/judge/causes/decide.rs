@@ -5,7 +5,7 @@
 //! where only a sign is in question a bump decides; where the control does as planned
 //! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
-use crate::judge::after::Part;
+use crate::judge::after::SeenDeviation;
 use crate::judge::causes::change::{Change, Question, number};
 use crate::judge::causes::data::{Data, Fit, minus, plus, quantile};
 use crate::judge::causes::hypotheses::{CHECKS, Hypothesis};
@@ -57,7 +57,7 @@ fn by_display(question: &Question<'_>, standing: &Standing<'_>, display: &str) -
     });
     let looks = places.map(|(term, at)| {
         let acting = |change: &Change, fitted: &[f64]| {
-            let part = |direction| Part { term, direction, at, weight: 1.0 };
+            let part = |direction| SeenDeviation { term, direction, at, weight: 1.0 };
             Direction::BOTH.map(|way| change.effect(question, fitted, &part(way))[0].abs())
         };
         let with = standing.iter().map(|(tried, fit)| acting(&tried.change, &fit.fitted));

@@ -2,7 +2,7 @@
 
 use super::change::{Change, Fitted, Scope, Terms, number};
 use crate::judge::after::before_um;
-use crate::judge::causes::change::{Corrected, Question, Slip};
+use crate::judge::causes::change::{Question, Slip, WithoutSlip};
 use crate::judge::field::Field;
 use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, PerTerm};
 use crate::text::{grouped, joined, once};
@@ -10,41 +10,49 @@ use crate::text::{grouped, joined, once};
 /// A kind of cause: its place among causes that the data cannot tell apart (what happens often stands first); its
 /// word in docs/visit.md §7; what happened to what it concerns, and what it usually comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Kind(pub(super) u8, pub(super) &'static str, &'static str);
+pub(super) struct CauseKind(pub(super) u8, pub(super) &'static str, &'static str);
 
-const NOT_ACTIVE: Kind = Kind(
+const NOT_ACTIVE: CauseKind = CauseKind(
     0,
     "not active",
     "do not act: not switched on, not loaded, or the axes were not referenced",
 );
-const OLD_ACTIVE: Kind =
-    Kind(1, "old tables active", "still act, the new ones do not: not loaded, or not switched on");
-const TURNED: Kind =
-    Kind(2, "sign turned", "act with the sign turned: they add where they should take away");
-const OLD_BESIDE: Kind =
-    Kind(3, "old beside new", "act in addition to the new ones, which hold their values already");
-const TWICE: Kind = Kind(
+const OLD_ACTIVE: CauseKind = CauseKind(
+    1,
+    "old tables active",
+    "still act, the new ones do not: not loaded, or not switched on",
+);
+const TURNED: CauseKind =
+    CauseKind(2, "sign turned", "act with the sign turned: they add where they should take away");
+const OLD_BESIDE: CauseKind = CauseKind(
+    3,
+    "old beside new",
+    "act in addition to the new ones, which hold their values already",
+);
+const TWICE: CauseKind = CauseKind(
     4,
     "applied twice",
     "act twice: loaded beside an older compensation of the same errors, or with a doubled weight",
 );
-const BACKLASH_NOT: Kind =
-    Kind(5, "backlash not", "is not compensated: the backlash parameter is 0");
-const BACKLASH_TWICE: Kind = Kind(
+const BACKLASH_NOT: CauseKind =
+    CauseKind(5, "backlash not", "is not compensated: the backlash parameter is 0");
+const BACKLASH_TWICE: CauseKind = CauseKind(
     6,
     "backlash twice",
     "is counted once too often: a backlash parameter acts in addition to the tables",
 );
-const WAYS: Kind = Kind(7, "directions exchanged", "for + and - act in the other direction");
-const WRONG_AXIS: Kind = Kind(8, "wrong axis", "are exchanged, or stand at the wrong axis");
-const SHIFTED: Kind = Kind(9, "shifted", "");
-const TEMPERATURE: Kind = Kind(10, "temperature", "");
-const NAMES: Kind = Kind(11, "names exchanged", "were saved under each other's name");
-const ORDER: Kind = Kind(12, "wrong order", "");
-const MEASURED_TURNED: Kind =
-    Kind(13, "measurement turned", "has the wrong sign (direction of the laser)");
-const UNIT: Kind = Kind(14, "wrong unit", "");
-const FACTOR: Kind = Kind(14, "other factor", "");
+const WAYS: CauseKind =
+    CauseKind(7, "directions exchanged", "for + and - act in the other direction");
+const WRONG_AXIS: CauseKind =
+    CauseKind(8, "wrong axis", "are exchanged, or stand at the wrong axis");
+const SHIFTED: CauseKind = CauseKind(9, "shifted", "");
+const TEMPERATURE: CauseKind = CauseKind(10, "temperature", "");
+const NAMES: CauseKind = CauseKind(11, "names exchanged", "were saved under each other's name");
+const ORDER: CauseKind = CauseKind(12, "wrong order", "");
+const MEASURED_TURNED: CauseKind =
+    CauseKind(13, "measurement turned", "has the wrong sign (direction of the laser)");
+const UNIT: CauseKind = CauseKind(14, "wrong unit", "");
+const FACTOR: CauseKind = CauseKind(14, "other factor", "");
 
 /// What tells whether it is a cause of this kind, beside a look at what acts, in the order of doing.
 pub(super) const CHECKS: [(&str, &str); 5] = [
@@ -72,7 +80,7 @@ const UNITS: [(f64, &str); 4] = [
 /// A change that may have happened, and how it is said.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hypothesis {
-    pub(super) kind: Kind,
+    pub(super) kind: CauseKind,
     pub(super) change: Change,
     /// Whom it concerns.
     subject: String,
@@ -83,7 +91,7 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
-    fn new(kind: Kind, change: Change, subject: &str) -> Hypothesis {
+    fn new(kind: CauseKind, change: Change, subject: &str) -> Hypothesis {
         let (subject, predicate) = (subject.to_string(), kind.2.to_string());
         Hypothesis { label: format!("{} ({subject})", kind.1), kind, change, subject, predicate }
     }
@@ -291,7 +299,7 @@ fn of_measurements(question: &Question<'_>) -> Vec<Hypothesis> {
         turned(Change::FirstTurned, "first", "the first", "so have the tables"),
         turned(Change::SecondTurned, "second", second, "the tables do not act"),
     ];
-    for (place, Corrected { slip, before }) in question.corrected.iter().enumerate() {
+    for (place, WithoutSlip { slip, before }) in question.corrected.iter().enumerate() {
         if !question.parts().all(|part| before_um(before, part).is_some()) {
             continue;
         }

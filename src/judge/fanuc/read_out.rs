@@ -43,7 +43,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     for finding in found(reading.job, &reading.names, &memory, facts) {
         reading.tell(finding);
     }
-    let mut sorted = Sorted { reading, facts, memory };
+    let mut sorted = ReadOutMemory { reading, facts, memory };
     sorted.take_sets();
     sorted.tell_second_tables();
     sorted.take_other_axes();
@@ -68,13 +68,13 @@ fn take_as_found(reading: &ReadOutReader<'_>, memory: &mut FanucMemory) {
     }
 }
 
-struct Sorted<'a, 'b> {
+struct ReadOutMemory<'a, 'b> {
     reading: &'a mut ReadOutReader<'b>,
     facts: &'a FanucFacts,
     memory: FanucMemory,
 }
 
-impl Sorted<'_, '_> {
+impl ReadOutMemory<'_, '_> {
     fn is_own(&self, axis: u32) -> bool {
         self.reading.has(&axis.to_string())
     }

@@ -124,8 +124,8 @@ pub(super) struct Own<'a> {
 
 impl<'a> Own<'a> {
     /// Judged by itself.
-    pub(super) fn alone(self) -> Judged<'a> {
-        Judged { of: self.of, each: vec![self], largest_um: self.largest_um }
+    pub(super) fn alone(self) -> LimitFigures<'a> {
+        LimitFigures { of: self.of, each: vec![self], largest_um: self.largest_um }
     }
 
     /// Whether anything is known of what it is at most.
@@ -141,14 +141,14 @@ impl<'a> Own<'a> {
 }
 
 /// Figures that keep a limit together: one, those of all terms, or those of all diagonals.
-pub(super) struct Judged<'a> {
+pub(super) struct LimitFigures<'a> {
     pub(super) of: Of,
     pub(super) each: Vec<Own<'a>>,
     /// How far the largest of them may be off, as of each.
     largest_um: Option<f64>,
 }
 
-impl Judged<'_> {
+impl LimitFigures<'_> {
     /// Every value, with so many times what is doubtful beside it, none below 0.
     fn shifted(&self, times: f64) -> Vec<Magnitude> {
         let of = |own: &Own<'_>| {
@@ -235,7 +235,7 @@ impl Missed {
     }
 
     /// All figures of its kind.
-    fn kind<'a>(&self, figures: &'a Forecast) -> Judged<'a> {
+    fn kind<'a>(&self, figures: &'a Forecast) -> LimitFigures<'a> {
         self.diagonal.map_or_else(|| figures.all_terms(), |_| figures.all_diagonals())
     }
 
@@ -256,7 +256,7 @@ pub(crate) fn shares<T>(um: f64, mut parts: Vec<(T, f64)>) -> Vec<(T, f64)> {
 
 impl Forecast {
     /// Every term.
-    pub(super) fn all_terms(&self) -> Judged<'_> {
+    pub(super) fn all_terms(&self) -> LimitFigures<'_> {
         let each = self.terms.iter().map(|own| Own {
             of: Of::Term(own.term),
             change: own.change,
@@ -265,11 +265,11 @@ impl Forecast {
             largest_um: self.together().map(|largest| largest.single.terms[own.term]),
         });
         let largest_um = self.together().map(|largest| largest.all_um);
-        Judged { of: Of::Terms, each: each.collect(), largest_um }
+        LimitFigures { of: Of::Terms, each: each.collect(), largest_um }
     }
 
     /// Every diagonal.
-    pub(super) fn all_diagonals(&self) -> Judged<'_> {
+    pub(super) fn all_diagonals(&self) -> LimitFigures<'_> {
         let each = self.diagonals.iter().map(|own| Own {
             of: Of::Diagonal(own.diagonal),
             change: own.change,
@@ -278,7 +278,7 @@ impl Forecast {
             largest_um: self.together().map(|largest| largest.single.diagonals[own.diagonal]),
         });
         let largest_um = self.together().map(|largest| largest.ranges_um);
-        Judged { of: Of::Diagonals, each: each.collect(), largest_um }
+        LimitFigures { of: Of::Diagonals, each: each.collect(), largest_um }
     }
 
     /// Largest residual of all measured terms, µm.
@@ -335,7 +335,7 @@ impl Forecast {
     }
 
     /// The figure that is at most most, beside their limit.
-    fn worst_of(&self, all: &Judged<'_>, limit_um: f64) -> Option<Missed> {
+    fn worst_of(&self, all: &LimitFigures<'_>, limit_um: f64) -> Option<Missed> {
         let at_most_um = self.at_most_um(all)?;
         let stated = all.each.iter().filter(|own| own.change.at_most_um.is_some());
         let at_most = |own: &&Own<'_>| own.change.at_most_um.unwrap_or(0.0);
@@ -374,7 +374,7 @@ impl Forecast {
     /// What figures are at most, with 95 %, µm; `None` = no uncertainty is stated.
     ///
     /// formula  forecast: largest + U; measured: each by itself; what is drawn together instead where it is known
-    pub(super) fn at_most_um(&self, all: &Judged<'_>) -> Option<f64> {
+    pub(super) fn at_most_um(&self, all: &LimitFigures<'_>) -> Option<f64> {
         let stated = all.each.iter().any(Own::is_bounded);
         stated.then(|| self.bound_um(&all.shifted(1.0), all.largest_um))
     }
@@ -405,7 +405,7 @@ impl Forecast {
 
     /// Figures of a forecast are judged together. Those of a measured diagonal pass on the difference of its two extreme
     /// values and fail on all its values.
-    pub(super) fn judge(&self, all: &Judged<'_>, limit_um: f64) -> Verdict {
+    pub(super) fn judge(&self, all: &LimitFigures<'_>, limit_um: f64) -> Verdict {
         let (sigma, largest_um) = (&self.sigma, all.largest_um);
         let judged = |times| match self.basis {
             Basis::Forecast => judge_forecast(&all.shifted(times), sigma, largest_um, limit_um),

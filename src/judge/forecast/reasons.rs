@@ -1,7 +1,7 @@
 //! What a verdict is made of, as facts: the errors that were judged, what that rests on, what does not keep a
 //! limit. In words they are the sentences of the command line and of the JSON; a page makes its own lines of them.
 
-use super::figures::{Judged, Of, Own};
+use super::figures::{LimitFigures, Of, Own};
 use super::share::{self, JudgedRange};
 use super::{Change, Forecast};
 use crate::inputs::error_table::Cause;
@@ -124,10 +124,10 @@ impl Forecast {
 
     /// The figures that miss a limit by themselves; where none does, whether all together do, whose U takes long
     /// and is asked for only then.
-    fn missing(&self, all: &Judged<'_>, limit_um: f64) -> Vec<Miss> {
+    fn missing(&self, all: &LimitFigures<'_>, limit_um: f64) -> Vec<Miss> {
         let figure =
             |of, um, at_most_um, verdict| Miss::Figure { of, um, at_most_um, limit_um, verdict };
-        let missed = |all: &Judged<'_>| {
+        let missed = |all: &LimitFigures<'_>| {
             Some(self.judge(all, limit_um)).filter(|verdict| *verdict != Verdict::Pass)
         };
         let one = |own: &Own<'_>| {

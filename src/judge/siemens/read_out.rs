@@ -28,7 +28,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<(), Problems> {
     if !all.idle.is_empty() {
         reading.tell(InControl::Idle { tables: all.idle.clone() });
     }
-    let mut sorted = Sorted { reading, all };
+    let mut sorted = ReadOutContents { reading, all };
     let twice = std::mem::take(&mut sorted.all.twice);
     twice.iter().for_each(|variable| sorted.several_values(variable.clone()));
     sorted.tell_programs(reads_programs);
@@ -79,12 +79,12 @@ fn tell_units(reading: &mut ReadOutReader<'_>, name: &str, units: &[ControlUnit]
     }
 }
 
-pub(super) struct Sorted<'a, 'b> {
+pub(super) struct ReadOutContents<'a, 'b> {
     pub(super) reading: &'a mut ReadOutReader<'b>,
     pub(super) all: SiemensContents,
 }
 
-impl Sorted<'_, '_> {
+impl ReadOutContents<'_, '_> {
     /// Part programs: no state beside active data, and where nothing else was read out, what they
     /// would make of it.
     fn tell_programs(&mut self, are_read: bool) {

@@ -5,23 +5,23 @@
 //! off between the two states. So the reading is one of two places in **one** state, which needs no
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
-use crate::control::checklist::Listed;
+use crate::control::checklist::ListText;
 use crate::control::controller::{Evidence, KitFile, Role, Statement};
-use crate::kit::loaded::Made;
+use crate::kit::loaded::BareKit;
 use crate::kit::refusals;
 use crate::quantity::{Axis, Direction, ErrorTerm, Millimetres};
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{ReadBack, emulator, read_apart};
 use crate::text::{BLANK, Finding, Problems, joined};
 use crate::write::compensation::{Compiled, trimmed};
-use crate::write::emit::{self, Emitted};
+use crate::write::emit::{self, FileSource};
 use crate::write::plan::{Plan, Task, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
 use serde::Serialize;
 
 /// The sign proofs of a kit, read back to what was meant.
 pub(super) struct Proofs {
-    pub(super) shown: Vec<Shown>,
+    pub(super) shown: Vec<ProofFigures>,
     pub(super) files: Vec<KitFile>,
     /// Mechanisms without a sign proof.
     pub(super) missing: Vec<Finding>,
@@ -29,7 +29,7 @@ pub(super) struct Proofs {
 
 /// A sign proof with what its bytes do, as the manifest has it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Shown {
+pub struct ProofFigures {
     #[serde(skip)]
     proof: SignProof,
     files: Vec<String>,
@@ -46,7 +46,7 @@ pub struct Shown {
 impl Proofs {
     /// Writes the proofs and reads each back through its own reader; what the emulated control does once they
     /// are loaded over the kit's own files.
-    pub(super) fn of(made: &Made<'_>) -> Result<Proofs, Problems> {
+    pub(super) fn of(made: &BareKit<'_>) -> Result<Proofs, Problems> {
         let profile = &made.inputs.profile;
         let SignProofs { proofs, missing } = sign_proofs(made.task(), &made.plan, &made.compiled);
         let mut loaded = made.compiled.tables.clone();
@@ -73,7 +73,17 @@ impl Proofs {
             let (sign, term) = (proof.of.sign_fact, proof.term);
             let [from_mm, peak_mm, to_mm] = proof.bump.places();
             let other_sign_um = -shows_um;
-            Ok(Shown { proof, files, sign, term, from_mm, peak_mm, to_mm, shows_um, other_sign_um })
+            Ok(ProofFigures {
+                proof,
+                files,
+                sign,
+                term,
+                from_mm,
+                peak_mm,
+                to_mm,
+                shows_um,
+                other_sign_um,
+            })
         });
         Ok(Proofs { shown: shown.collect::<Result<_, Problems>>()?, files, missing })
     }
@@ -87,13 +97,13 @@ pub(super) fn files_of(
     let slope = "SIGN PROOF: zero but for one slope; load the values of the kit again after it";
     let bump = "SIGN PROOF: zero but for one bump; load the table of the kit again after it";
     let notice = Some(if proof.bump.is_slope { slope } else { bump });
-    let of_kit = Emitted::of_kit(task, compiled);
-    let emitted = Emitted { tables: &proof.tables, notice, ..of_kit };
+    let of_kit = FileSource::of_kit(task, compiled);
+    let emitted = FileSource { tables: &proof.tables, notice, ..of_kit };
     let wanted = Some(proof.of.mechanism);
     emit::render_those(&emitted, |file| file.role == Role::SignProof && file.mechanism == wanted)
 }
 
-fn read_proof(made: &Made<'_>, files: &[KitFile]) -> Result<ReadBack, Problems> {
+fn read_proof(made: &BareKit<'_>, files: &[KitFile]) -> Result<ReadBack, Problems> {
     let read = read_apart(&made.inputs.profile, files, Role::SignProof)?;
     match read.machine_data.iter().find(|file| !file.data.is_empty()) {
         Some(file) => {
@@ -127,8 +137,8 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Emulated<
 }
 
 /// What one proof is and what has to be seen; how it is read, and what that means.
-pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
-    let mut all = Listed::default();
+pub(super) fn listed(made: &BareKit<'_>, shown: &[ProofFigures]) -> ListText {
+    let mut all = ListText::default();
     for shown in shown {
         let beside = shown.proof.of.beside.map(str::to_string);
         all.items.extend([shown.two_places(made), shown.expected(made)]);
@@ -144,7 +154,7 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
     all
 }
 
-impl Shown {
+impl ProofFigures {
     /// Where the bump begins, is highest and ends, mm.
     fn places(&self) -> [String; 3] {
         [self.from_mm, self.peak_mm, self.to_mm].map(|place| trimmed(place.mm(), 6))
@@ -156,7 +166,7 @@ impl Shown {
         format!("{}, {files}", self.proof.of.name)
     }
 
-    fn bump(&self, made: &Made<'_>) -> String {
+    fn bump(&self, made: &BareKit<'_>) -> String {
         let (term, [from, peak, to]) = (self.term, self.places());
         let (heading, along) = (self.heading(), made.axes(term.along));
         match self.proof.bump.is_slope {
@@ -169,7 +179,7 @@ impl Shown {
         }
     }
 
-    fn two_places(&self, made: &Made<'_>) -> String {
+    fn two_places(&self, made: &BareKit<'_>) -> String {
         let (term, [from, peak, _]) = (self.term, self.places());
         let (moving, seen) = (made.axes(term.along), made.axes(term.of));
         format!(
@@ -179,7 +189,7 @@ impl Shown {
         )
     }
 
-    fn expected(&self, made: &Made<'_>) -> String {
+    fn expected(&self, made: &BareKit<'_>) -> String {
         let [from, peak, to] = self.places();
         let behind = match self.proof.bump.is_slope {
             true => String::new(),
@@ -194,7 +204,7 @@ impl Shown {
     }
 
     /// A gauge that is not moved needs one place where nothing is found anew between off and on.
-    fn with_a_gauge(&self, made: &Made<'_>) -> String {
+    fn with_a_gauge(&self, made: &BareKit<'_>) -> String {
         let (of, [from, peak, _]) = (self.term.of, self.places());
         match made.inputs.profile.family.restarts {
         false => format!(
@@ -207,19 +217,19 @@ impl Shown {
     }
 
     /// What is known of the sign.
-    fn known<'a>(&self, made: &'a Made<'_>) -> impl Iterator<Item = &'a Statement> {
+    fn known<'a>(&self, made: &'a BareKit<'_>) -> impl Iterator<Item = &'a Statement> {
         let sign = self.sign;
         made.inputs.profile.statements.iter().filter(move |s| s.fact == sign)
     }
 
-    fn sign(&self, made: &Made<'_>) -> String {
+    fn sign(&self, made: &BareKit<'_>) -> String {
         let known = self.known(made);
         let known = known
             .map(|s| format!("`{}` = {}, {}: {}", s.fact, s.value, s.evidence.word(), s.source));
         format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
     }
 
-    fn as_known(&self, made: &Made<'_>) -> &'static str {
+    fn as_known(&self, made: &BareKit<'_>) -> &'static str {
         match self.known(made).next().map(|s| s.evidence) {
             None | Some(Evidence::Assumed) => "as assumed",
             Some(Evidence::Manual) => "as the manual says",

@@ -8,7 +8,7 @@ use crate::judge::active::HashedFile;
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
 use crate::kit::refusals;
-use crate::machine::model::Measured;
+use crate::machine::model::TermCurves;
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::readings::{DiagonalFigures, figures};
 use crate::quantity::{
@@ -243,7 +243,7 @@ impl SimulatedMachine<'_> {
             return Vec::new();
         }
         let one_way = measured.find_map(|(_, term)| match term.measured {
-            Measured::OneWay(direction, _) => Some(direction),
+            TermCurves::OneWay(direction, _) => Some(direction),
             _ => None,
         });
         match one_way {

@@ -19,7 +19,7 @@ pub struct Earlier<'a> {
     /// Its job, that of its kit.
     pub job: &'a Job,
     /// The errors that it measured, or its readings.
-    pub measured: Measured,
+    pub measured: TableToFill,
     /// The key of the job that places tables in the control; `None` = files are replaced.
     pub place: Option<&'static str>,
     /// The key of the backlash parameters, of a control of which no file holds them.
@@ -31,7 +31,7 @@ pub struct Earlier<'a> {
 }
 
 /// A table that is measured once more.
-pub enum Measured {
+pub enum TableToFill {
     /// All error tables in one.
     Errors(Box<ErrorTable>),
     /// The file of readings.
@@ -42,8 +42,8 @@ impl Earlier<'_> {
     /// The new visit; `rebased` = a path of the job as the new one names it.
     pub fn again(&self, rebased: impl Fn(&str) -> String) -> Result<Begun, Problems> {
         let table = match &self.measured {
-            Measured::Errors(table) => (false, positions(table)),
-            Measured::Readings(source) => (true, emptied(source)),
+            TableToFill::Errors(table) => (false, positions(table)),
+            TableToFill::Readings(source) => (true, emptied(source)),
         };
         let how = self.job.measurement.diagonals();
         let key = |linear: &Linear| linear.axis.key();
@@ -57,10 +57,10 @@ impl Earlier<'_> {
     /// The job, with its comments.
     fn page(&self, name: &str, rebased: impl Fn(&str) -> String) -> Result<String, Problems> {
         let (job, kit) = (self.job, quoted(&self.kit));
-        let mut page = Page { source: &job.source, changes: Vec::new() };
+        let mut page = PageEdits { source: &job.source, changes: Vec::new() };
         let data = match &self.measured {
-            Measured::Errors(_) => "measurement.errors",
-            Measured::Readings(_) => "measurement.readings",
+            TableToFill::Errors(_) => "measurement.errors",
+            TableToFill::Readings(_) => "measurement.readings",
         };
         page.remove("measurement.active_while_measuring", "active_while_measuring");
         page.insert_above(data, format!("active_while_measuring = {kit}\n"));
@@ -102,7 +102,7 @@ impl Earlier<'_> {
     }
 
     /// The key that decides whether the new tables lie in the place of the old ones.
-    fn state_place(&self, page: &mut Page<'_>) {
+    fn state_place(&self, page: &mut PageEdits<'_>) {
         let compensation = &self.job.compensation;
         let (key, as_before) = match self.place {
             Some("first_table") => ("first_table", compensation.first_table.unwrap_or(0)),
@@ -116,7 +116,7 @@ impl Earlier<'_> {
     }
 
     /// Slopes and temperatures of the earlier run.
-    fn empty_run(&self, page: &mut Page<'_>) {
+    fn empty_run(&self, page: &mut PageEdits<'_>) {
         const RUN: &str = "measurement.step_diagonal";
         let Some(how) = self.job.measurement.diagonals() else {
             return;
@@ -155,12 +155,12 @@ impl Earlier<'_> {
 }
 
 /// Changes of a text, by the places of its keys.
-struct Page<'a> {
+struct PageEdits<'a> {
     source: &'a Source,
     changes: Vec<(Range<usize>, String)>,
 }
 
-impl Page<'_> {
+impl PageEdits<'_> {
     /// Writes another value where the key is stated.
     fn set(&mut self, key: &str, value: String) -> bool {
         let span = self.source.span_of(key);

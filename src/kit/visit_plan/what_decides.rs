@@ -2,13 +2,13 @@
 //! come to: computed as `plan` computes it, for the noise that was found.
 
 use super::design::Design;
-use super::variant::{DIGITS, Share, Visit, listed, value_um};
+use super::variant::{DIGITS, Share, Variant, Visit, listed, value_um};
 use super::{MOST_RUNS, together};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::joint::{Found, Measured as Value, Outlook};
+use crate::machine::separation::joint::{AfterLoading, Outlook, Values};
 use crate::machine::separation::table::ErrorSource;
 use crate::machine::separation::{Part, Separation};
 use crate::quantity::{Axis, ErrorTerm, Rotation, Squared, rounded};
@@ -54,12 +54,12 @@ pub struct Act {
     pub verdict: Verdict,
     /// What is measured for it.
     #[serde(skip)]
-    pub measured: Measured,
+    pub measured: Remeasurement,
 }
 
 /// What is measured in addition, or again, and whether new tables are made from it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct Remeasurement {
     /// These axes along their length.
     pub linear: Vec<Axis>,
     /// These angles.
@@ -72,7 +72,7 @@ pub struct Measured {
 
 /// Figures to be decided: of a forecast, or of a machine as left.
 #[derive(Clone, Copy)]
-pub(crate) struct Judged<'a> {
+pub(crate) struct OpenFigures<'a> {
     /// The job of the measurement behind them, with the limits.
     pub(crate) job: &'a Job,
     /// What it found; `None` = a table without a job.
@@ -84,7 +84,7 @@ pub(crate) struct Judged<'a> {
     pub(crate) expected: Option<&'a Forecast>,
 }
 
-impl Judged<'_> {
+impl OpenFigures<'_> {
     /// What decides; `None` where all is decided, where a statement is missing, and where nothing can be computed.
     pub(crate) fn what_decides(&self) -> Option<WhatDecides> {
         let missed = self.figures.missed(self.job.acceptance)?;
@@ -112,7 +112,7 @@ impl Judged<'_> {
         let design = Design::made(self.job, found).ok()?;
         let described = design.visit(design.described.clone()).ok()?;
         let value = self.expected.map(|_| value_um(self.model));
-        let value = value.as_ref().map(|value| value as Value<'_>);
+        let value = value.as_ref().map(|value| value as Values<'_>);
         let parts = missed.shares(match (missed.diagonal, ErrorTerm::from_name(&missed.name)) {
             (Some(diagonal), _) => described.expected.parts_along(diagonal),
             (None, Some(term)) => described.expected.parts(self.job, term, value),
@@ -122,25 +122,23 @@ impl Judged<'_> {
         let all = together(&described.variant, &additions);
         let act = |visit: &Visit, remade: bool| self.act(&described, visit, missed, remade);
         let decides = |visit: &Visit, remade: bool| act(visit, remade).is_some_and(|a| a.passes());
-        let cheapest = |remade: bool| {
-            let found = design.cheapest(&all, |visit| decides(visit, remade))?;
+        let cheapest = |of: &[Variant], remade: bool| {
+            let found = design.cheapest(of, |visit| decides(visit, remade))?;
             act(&found, remade)
         };
         let mut acts = Vec::new();
         if missed.verdict == Verdict::Undecided {
-            let visit = |variant| design.visit(variant).ok();
-            let (own, most) = (&described.variant, described.variant.in_runs(MOST_RUNS));
-            let runs = design.in_fewest_runs(own, |visit| decides(visit, false));
-            let added = additions.iter().cloned().filter_map(visit);
-            let visits = added.chain(runs.or_else(|| visit(most)));
+            let runs = design.in_fewest_runs(&described.variant, |visit| decides(visit, false));
+            let added = additions.iter().cloned().filter_map(|one| design.visit(one).ok());
+            let visits = added.chain(runs.map(|(visit, _)| visit));
             acts.extend(visits.filter_map(|visit| act(&visit, false)));
             if !acts.iter().any(Act::passes) {
-                acts.extend(cheapest(false));
+                acts.extend(cheapest(&all[1..], false)); // more runs alone were tried
             }
         }
         acts.extend(act(&described, true));
         if self.expected.is_some() && !acts.iter().any(Act::passes) {
-            acts.extend(cheapest(true));
+            acts.extend(cheapest(&all, true));
         }
         Some((described.most(parts), acts))
     }
@@ -178,7 +176,7 @@ impl Judged<'_> {
             };
             let mean = (runs > 1).then(|| format!("mean of {runs} runs"));
             let runs = Some(runs).filter(|runs| *runs > 1);
-            let measured = Measured { runs, new_tables, ..Measured::default() };
+            let measured = Remeasurement { runs, new_tables, ..Remeasurement::default() };
             Some(Act::new(mean, measured, answer))
         };
         let most = if noise > 0.0 { MOST_RUNS } else { 1 };
@@ -202,7 +200,7 @@ impl Judged<'_> {
         };
         let minutes = again + visit.minutes - runs.map_or(own.minutes, |_| 0.0);
         let (linear, angles) = (variant.linear.clone(), variant.angles.clone());
-        let measured = Measured { linear, angles, runs, new_tables };
+        let measured = Remeasurement { linear, angles, runs, new_tables };
         let minutes = Some(minutes.round());
         Some(Act { minutes, ..Act::new(change, measured, answer) })
     }
@@ -229,7 +227,7 @@ impl Judged<'_> {
     fn answer(&self, own: &Visit, visit: &Visit, missed: &Missed) -> Option<(f64, bool)> {
         if self.expected.is_some() && missed.diagonal.is_none() {
             let again = f64::from(visit.variant.run.runs > own.variant.run.runs);
-            let found: Found = (&value_um(self.model), &own.expected, again);
+            let found: AfterLoading = (&value_um(self.model), &own.expected, again);
             return visit.expected.outlook(self.job, Some(found), missed.limit_um).map(sure);
         }
         // The noise was estimated, and is estimated anew.
@@ -263,7 +261,7 @@ fn sure((at_most_um, passes): Outlook) -> (f64, bool) {
 }
 
 impl Act {
-    fn new(change: Option<String>, measured: Measured, of: (f64, bool)) -> Act {
+    fn new(change: Option<String>, measured: Remeasurement, of: (f64, bool)) -> Act {
         let what = match (change, measured.new_tables) {
             (Some(change), true) => format!("{change}, then new tables, measured again"),
             (Some(change), false) => change,

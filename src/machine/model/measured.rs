@@ -11,7 +11,7 @@ use crate::text::{Finding, Problem, Problems, counted};
 
 /// How a term was measured.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Measured {
+pub enum TermCurves {
     /// Without regard to direction (or as the mean of both).
     Undirected(ErrorCurve),
     /// In both directions.
@@ -25,25 +25,25 @@ pub enum Measured {
     OneWay(Direction, ErrorCurve),
 }
 
-impl Measured {
+impl TermCurves {
     /// One or two curves with their directions, + before −; `None` = there is none.
     pub(super) fn of(
         mut curves: impl Iterator<Item = (Option<Direction>, ErrorCurve)>,
-    ) -> Option<Measured> {
+    ) -> Option<TermCurves> {
         let (direction, first) = curves.next()?;
         Some(match (direction, curves.next()) {
-            (_, Some((_, minus))) => Measured::BothWays { plus: first, minus },
-            (Some(direction), None) => Measured::OneWay(direction, first),
-            (None, None) => Measured::Undirected(first),
+            (_, Some((_, minus))) => TermCurves::BothWays { plus: first, minus },
+            (Some(direction), None) => TermCurves::OneWay(direction, first),
+            (None, None) => TermCurves::Undirected(first),
         })
     }
 
     /// Its curves with the direction that each is for, + before −.
     pub(crate) fn ways(&self) -> impl Iterator<Item = (Option<Direction>, &ErrorCurve)> {
         let (way, first, second) = match self {
-            Measured::Undirected(curve) => (None, curve, None),
-            Measured::OneWay(way, curve) => (Some(*way), curve, None),
-            Measured::BothWays { plus, minus } => (Some(Direction::Plus), plus, Some(minus)),
+            TermCurves::Undirected(curve) => (None, curve, None),
+            TermCurves::OneWay(way, curve) => (Some(*way), curve, None),
+            TermCurves::BothWays { plus, minus } => (Some(Direction::Plus), plus, Some(minus)),
         };
         let second = second.map(|minus| (Some(Direction::Minus), minus));
         std::iter::once((way, first)).chain(second)
@@ -52,8 +52,8 @@ impl Measured {
     /// The curve without regard to direction: of two the mean, over the range that both cover.
     pub fn mean(&self) -> ErrorCurve {
         match self {
-            Measured::Undirected(curve) | Measured::OneWay(_, curve) => curve.clone(),
-            Measured::BothWays { plus, minus } => {
+            TermCurves::Undirected(curve) | TermCurves::OneWay(_, curve) => curve.clone(),
+            TermCurves::BothWays { plus, minus } => {
                 plus.mean_with(minus).unwrap_or_else(|| plus.clone())
             }
         }
@@ -67,16 +67,16 @@ impl Measured {
     /// The curve that is zero at the reference, and its direction: that of the reference return, else the first.
     pub(crate) fn zeroed(&self, homing: Direction) -> (Option<Direction>, &ErrorCurve) {
         match (self, homing) {
-            (Measured::BothWays { minus, .. }, Direction::Minus) => (Some(homing), minus),
-            (Measured::BothWays { plus, .. }, Direction::Plus) => (Some(homing), plus),
-            (Measured::OneWay(way, curve), _) => (Some(*way), curve),
-            (Measured::Undirected(curve), _) => (None, curve),
+            (TermCurves::BothWays { minus, .. }, Direction::Minus) => (Some(homing), minus),
+            (TermCurves::BothWays { plus, .. }, Direction::Plus) => (Some(homing), plus),
+            (TermCurves::OneWay(way, curve), _) => (Some(*way), curve),
+            (TermCurves::Undirected(curve), _) => (None, curve),
         }
     }
 
     /// Whether the two directions were measured apart.
     pub(crate) fn has_both_ways(&self) -> bool {
-        matches!(self, Measured::BothWays { .. })
+        matches!(self, TermCurves::BothWays { .. })
     }
 }
 
@@ -187,7 +187,7 @@ pub(super) fn refuse_unlikely(
 }
 
 /// The measured rotations of a table, µrad in place of µm.
-pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measured>> {
+pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<TermCurves>> {
     // Rotations stand in the places of the terms.
     PerTerm::from_fn(|ErrorTerm { of: about, along }| {
         let curves = table.series(along).iter().filter_map(|series| {
@@ -198,7 +198,7 @@ pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measure
             let curve = zero_at.map_or(curve.clone(), |place| curve.rezeroed_at(place));
             Some((series.direction, curve))
         });
-        Measured::of(curves)
+        TermCurves::of(curves)
     })
 }
 
@@ -225,8 +225,8 @@ pub(in crate::machine) fn check_zeros(job: &Job, table: &ErrorTable, problems: &
 pub(super) fn added(
     job: &Job,
     table: &ErrorTable,
-    known: &PerTerm<Option<Measured>>,
-) -> Result<PerTerm<Option<Measured>>, Problems> {
+    known: &PerTerm<Option<TermCurves>>,
+) -> Result<PerTerm<Option<TermCurves>>, Problems> {
     let mut problems = Problems::none();
     check_places(job, table, &mut problems);
     no_angles(table).into_iter().for_each(|problem| problems.push(problem));

@@ -14,7 +14,7 @@
 
 mod outlook;
 
-pub(crate) use self::outlook::{Found, Measured, Outlook};
+pub(crate) use self::outlook::{AfterLoading, Outlook, Values};
 use super::Separation;
 use super::readings::{Noise, student};
 use super::solved::SeparatedError;
@@ -47,7 +47,7 @@ struct TableCurve {
 }
 
 /// The curves of a table, to be drawn. All their values stand in one list, curve after curve, zero at the reference.
-pub(super) struct Table<'a> {
+pub(super) struct JointTable<'a> {
     of: &'a Separation,
     curves: Vec<TableCurve>,
     /// Less the value at the reference.
@@ -62,7 +62,7 @@ pub(super) struct Table<'a> {
 type Acting = Vec<(usize, Lanes)>;
 
 /// Draws of a table, [`LANES`] at a time.
-struct Drawn {
+struct Draws {
     /// The values of all curves, without angles.
     values: Vec<Vec<Lanes>>,
     /// Standard deviation of each, without the laser that another measurement repeats.
@@ -75,7 +75,7 @@ impl Separation {
     /// How far the largest error of the table of a job may lie off in a forecast, with max − min along the diagonals where
     /// it is asked for; of errors with a known uncertainty alone, `None` without any.
     pub(crate) fn largest(&self, job: &Job, diagonals: bool) -> Option<LargestErrors> {
-        let table = Table::with(self, job, |found| found.u.is_some());
+        let table = JointTable::with(self, job, |found| found.u.is_some());
         table.drawn().map(|drawn| table.largest(job, &drawn, diagonals))
     }
 
@@ -85,7 +85,7 @@ impl Separation {
     }
 }
 
-impl<'a> Table<'a> {
+impl<'a> JointTable<'a> {
     /// Says of a table how far its errors may lie off, with 95 %, and what may falsify them; nothing of the former where
     /// an uncertainty is not known.
     pub(super) fn remarks(&self, job: &Job, said: Remarks) -> Remarks {
@@ -112,7 +112,7 @@ impl<'a> Table<'a> {
     }
 
     /// Draws of all curves; `None` where an uncertainty is not known.
-    fn drawn(&self) -> Option<Drawn> {
+    fn drawn(&self) -> Option<Draws> {
         let anew = |first| {
             let mut random = randoms(first);
             let noise = random.each_mut().map(|random| self.estimate(random));
@@ -126,12 +126,12 @@ impl<'a> Table<'a> {
                 let each = values.iter_mut().zip(&lasers);
                 each.for_each(|(anew, times)| self.rows.add(&[(at, *times)], anew));
             }
-            Drawn { values, u, repeated: each(DRAWS, |first| self.repeated(first)) }
+            Draws { values, u, repeated: each(DRAWS, |first| self.repeated(first)) }
         })
     }
 
     /// How far the largest may lie off in a forecast.
-    fn largest(&self, job: &Job, drawn: &Drawn, diagonals: bool) -> LargestErrors {
+    fn largest(&self, job: &Job, drawn: &Draws, diagonals: bool) -> LargestErrors {
         let nothing = PerDiagonal::from_fn(|_| [0.0; LANES]);
         self.quantiles(job, drawn, |at, acting| {
             let values = &drawn.values[at];
@@ -143,7 +143,7 @@ impl<'a> Table<'a> {
     }
 
     /// How far it may lie beyond the largest that was measured.
-    fn measured(&self, job: &Job, drawn: &Drawn) -> LargestErrors {
+    fn measured(&self, job: &Job, drawn: &Draws) -> LargestErrors {
         let at_most = self.ranges_at_most();
         let at_most = PerDiagonal::from_fn(|d| [at_most[d]; LANES]);
         let times = |first: usize| {
@@ -169,7 +169,7 @@ impl<'a> Table<'a> {
     fn quantiles(
         &self,
         job: &Job,
-        drawn: &Drawn,
+        drawn: &Draws,
         of: impl Fn(usize, &[(usize, Lanes)]) -> [Sizes; LANES] + Sync,
     ) -> LargestErrors {
         let angles = &self.of.model.angles;
@@ -219,11 +219,15 @@ impl<'a> Table<'a> {
         (all.all_um().max(all.ranges_um()) > 0.0).then_some(all)
     }
 
-    pub(super) fn new(of: &'a Separation, job: &Job) -> Table<'a> {
-        Table::with(of, job, |_| true)
+    pub(super) fn new(of: &'a Separation, job: &Job) -> JointTable<'a> {
+        JointTable::with(of, job, |_| true)
     }
 
-    fn with(of: &'a Separation, job: &Job, holds: impl Fn(&SeparatedError) -> bool) -> Table<'a> {
+    fn with(
+        of: &'a Separation,
+        job: &Job,
+        holds: impl Fn(&SeparatedError) -> bool,
+    ) -> JointTable<'a> {
         let directions = directions(of, job);
         let (mut curves, mut all_rows, mut um) = (Vec::new(), Vec::new(), Vec::new());
         for term in ErrorTerm::ALL {
@@ -249,7 +253,7 @@ impl<'a> Table<'a> {
             }
         }
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
-        Table { of, curves, rows: Curves::new(&of.model, all_rows), um, laser }
+        JointTable { of, curves, rows: Curves::new(&of.model, all_rows), um, laser }
     }
 
     /// Values of each curve.

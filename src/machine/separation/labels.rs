@@ -3,7 +3,7 @@
 use super::campaign::{Estimate, LinearReversals};
 use super::curves::noise_gain;
 use super::reversal::Turn;
-use super::solved::{Solved, naive_squareness};
+use super::solved::{CurvesAndSlopes, naive_squareness};
 use super::start::Start;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::machine::findings::SeparationFinding as Found;
@@ -107,7 +107,7 @@ pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> O
     (!found.is_empty()).then_some(Found::LinearReversals { found, forward_only })
 }
 
-impl Solved<'_> {
+impl CurvesAndSlopes<'_> {
     /// What the slopes rest on.
     pub(super) fn labels(&self, is_checked: bool) -> impl Iterator<Item = Found> {
         let squareness = |of: &dyn Fn(Plane) -> f64| {

@@ -33,7 +33,7 @@
 use super::campaign::{Estimate, LinearReversals};
 use super::curves::mean;
 use super::readings::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
-use super::solved::Solved;
+use super::solved::CurvesAndSlopes;
 use super::start::Start;
 use crate::machine::findings::SeparationFinding;
 use crate::quantity::{
@@ -114,7 +114,7 @@ fn solution(design: &DMatrix<f64>, covariance: DMatrix<f64>) -> Option<[DMatrix<
     Some([&spread * weighed.transpose(), spread])
 }
 
-impl Solved<'_> {
+impl CurvesAndSlopes<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
         let start = &self.start;

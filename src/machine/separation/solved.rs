@@ -18,7 +18,7 @@ use nonius_numerics::rows::{CurveRows, Row, Uncertainty};
 use std::sync::Arc;
 
 /// Curves as rows over what was measured, and what their slopes come from.
-pub(super) struct Solved<'a> {
+pub(super) struct CurvesAndSlopes<'a> {
     pub(super) start: Start<'a>,
     /// Increments of the mean curves over each interval.
     mean_steps: PerTerm<Arc<[Row]>>,
@@ -45,8 +45,8 @@ pub fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
     volume.diagonal_mm() * ends_um.iter().map(|(_, um)| um).sum::<f64>() / 4.0
 }
 
-impl<'a> Solved<'a> {
-    pub(super) fn new(mut start: Start<'a>) -> Solved<'a> {
+impl<'a> CurvesAndSlopes<'a> {
+    pub(super) fn new(mut start: Start<'a>) -> CurvesAndSlopes<'a> {
         let (campaign, volume, known) = (start.campaign, start.volume(), start.noise.is_some());
         let z = &start.z;
         let step = |term, at| start.mean(|group| start.delta(term, group, at));
@@ -88,7 +88,7 @@ impl<'a> Solved<'a> {
         let rise =
             |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(z)).sum::<f64>();
         let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
-        Solved { naive, ratios, metric, equations, ends_um, mean_steps, start }
+        CurvesAndSlopes { naive, ratios, metric, equations, ends_um, mean_steps, start }
     }
 
     /// What is assumed of the set-up.

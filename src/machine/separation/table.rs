@@ -1,7 +1,7 @@
 //! Nine errors → the rows of an error table (contract §2.1), as the backlash policy of a job asks for them.
 
 use super::Separation;
-use super::joint::{Table, directions};
+use super::joint::{JointTable, directions};
 use super::readings::Noise;
 use super::solved::SeparatedError;
 use crate::inputs::error_table::{self, Draft, ErrorTable, Kind, Remarks, Series};
@@ -56,7 +56,7 @@ impl ErrorSource {
 /// a job that asks for the curves moving + gets these alone, any other one the mean of both.
 pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> Draft {
     let directions = directions(separation, job);
-    comments.extend(Table::new(separation, job).remarks(job, remarks(separation)).lines());
+    comments.extend(JointTable::new(separation, job).remarks(job, remarks(separation)).lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));

@@ -5,7 +5,7 @@ use super::{Condition, Conditions, Counts, Met, largest, range};
 use crate::inputs::target_runs::Runs;
 use crate::machine::separation::readings::{by_node, spacing};
 use crate::quantity::{Diagonal, Pass, PathKind, Run, Volume};
-use crate::text::{Named, Problem};
+use crate::text::{NamedEntries, Problem};
 use serde::Serialize;
 
 /// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
@@ -60,7 +60,7 @@ pub struct Diagonals {
     /// How they have to be labelled: by the motion, and by the conditions that are missed.
     pub label: String,
     /// Each diagonal by its name, e.g. `PPN`, in the order given.
-    pub(crate) diagonals: Named<String, DiagonalFigures>,
+    pub(crate) diagonals: NamedEntries<String, DiagonalFigures>,
     /// E_d of ISO 230-6; absent unless there are four diagonals in both directions.
     #[serde(rename = "E_d_um")]
     pub e_d_um: Option<f64>,
@@ -102,7 +102,7 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bo
         let (targets, runs) = (figures.targets.len(), Counts::of(runs));
         ((*name).to_string(), DiagonalFigures { targets, runs, figures, range_um: range(own) })
     });
-    let figures: Named<String, DiagonalFigures> = figures.collect();
+    let figures: NamedEntries<String, DiagonalFigures> = figures.collect();
     let complete = diagonals.len() == Diagonal::ALL.len();
     let of_machine = |figure: fn(&DiagonalFigures) -> Option<f64>| {
         let all: Option<Vec<f64>> = figures.iter().map(|(_, of)| figure(of)).collect();

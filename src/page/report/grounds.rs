@@ -2,11 +2,11 @@
 //! not keep a limit. Sentences of the program stand on the first page where its language and unit are the reader's;
 //! elsewhere a line says how many there are, and in which part.
 
-use super::{Kind, Report};
+use super::{FigureKind, Report};
 use crate::inputs::error_table::Cause;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{JudgedRange, Miss, Of, RestsOn, is_whole_travel, widest_gap_mm};
-use crate::kit::visit_plan::{Measured, Share};
+use crate::kit::visit_plan::{Remeasurement, Share};
 use crate::machine::separation::Part;
 use crate::quantity::{Axis, ErrorTerm, Millimetres};
 use crate::text::{escaped, joined};
@@ -140,7 +140,7 @@ impl Report<'_> {
     pub(super) fn decides(&self) -> Vec<String> {
         let Some(found) = &self.visit.decides else { return Vec::new() };
         let um = |at: &str| {
-            let figure = self.figure("verify", &format!("/what_decides/{at}"), Kind::Reason);
+            let figure = self.figure("verify", &format!("/what_decides/{at}"), FigureKind::Reason);
             ("um", format!("{figure} {}", self.unit()))
         };
         let parts = found.parts.iter().enumerate();
@@ -157,7 +157,7 @@ impl Report<'_> {
         ];
         let acts = found.acts.iter().enumerate().map(|(index, act)| {
             let minutes = format!("/what_decides/acts/{index}/minutes");
-            let minutes = ("minutes", self.figure("verify", &minutes, Kind::Count));
+            let minutes = ("minutes", self.figure("verify", &minutes, FigureKind::Count));
             let minutes = act.minutes.map(|_| self.fill("act_minutes", [minutes]));
             let what = [Some(self.act(&act.measured)), minutes];
             let what = what.into_iter().flatten().collect::<Vec<_>>().join(" ");
@@ -181,8 +181,8 @@ impl Report<'_> {
         }
     }
 
-    fn act(&self, measured: &Measured) -> String {
-        let Measured { linear, angles, runs, new_tables } = measured;
+    fn act(&self, measured: &Remeasurement) -> String {
+        let Remeasurement { linear, angles, runs, new_tables } = measured;
         let linear = (!linear.is_empty()).then(|| ("act_linear", Axis::letters(linear)));
         let angles = match angles.as_slice() {
             [] => None,
@@ -268,7 +268,7 @@ impl Report<'_> {
             Of::Terms => "/max_residual_um".to_string(),
             Of::Diagonals => return self.locale.deviation(um, 3),
         };
-        self.figure("verify", &at, Kind::Reason)
+        self.figure("verify", &at, FigureKind::Reason)
     }
 
     fn too_little(&self, range: &JudgedRange) -> String {

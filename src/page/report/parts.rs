@@ -1,6 +1,6 @@
 //! The parts of the page behind the first one.
 
-use super::{Kind, NONE, Report, linear_document};
+use super::{FigureKind, NONE, Report, linear_document};
 use crate::page::svg;
 use crate::quantity::ErrorTerm;
 use crate::text::{escaped, once};
@@ -26,32 +26,32 @@ const FIGURES: [(&str, &str); 12] = [
 
 /// A part of the page behind the first one.
 #[derive(Default, Serialize)]
-pub(super) struct Part {
+pub(super) struct ReportPart {
     id: &'static str,
     title: String,
     words: Vec<String>,
     pictures: Vec<String>,
-    tables: Vec<Table>,
+    tables: Vec<ReportTable>,
     items: Vec<String>,
     /// Sentences of the program, in English.
     said: Vec<String>,
 }
 
 #[derive(Serialize)]
-struct Table {
+struct ReportTable {
     head: Vec<String>,
-    rows: Vec<Row>,
+    rows: Vec<ReportRow>,
     is_words: bool,
     /// Whether its cells are words of the program.
     is_english: bool,
 }
 
 #[derive(Serialize)]
-struct Row {
+struct ReportRow {
     cells: Vec<String>,
 }
 
-impl Part {
+impl ReportPart {
     fn is_empty(&self) -> bool {
         let rows = self.tables.iter().flat_map(|table| &table.rows);
         let texts = [&self.words, &self.pictures, &self.items, &self.said];
@@ -59,14 +59,14 @@ impl Part {
     }
 }
 
-impl Table {
+impl ReportTable {
     fn new(
         head: Vec<String>,
         rows: impl IntoIterator<Item = Vec<String>>,
         is_words: bool,
-    ) -> Table {
-        let rows = rows.into_iter().map(|cells| Row { cells });
-        Table { head, rows: rows.collect(), is_words, is_english: false }
+    ) -> ReportTable {
+        let rows = rows.into_iter().map(|cells| ReportRow { cells });
+        ReportTable { head, rows: rows.collect(), is_words, is_english: false }
     }
 }
 
@@ -86,13 +86,13 @@ fn text<'a>(entry: &'a Value, key: &str) -> &'a str {
 }
 
 impl Report<'_> {
-    fn part(&self, id: &'static str) -> Part {
+    fn part(&self, id: &'static str) -> ReportPart {
         let own = self.visit.pictures.iter().filter(|(of, _)| *of == id);
-        Part {
+        ReportPart {
             id,
             title: self.t(id),
             pictures: own.map(|(_, picture)| svg::inline(picture, self.locale)).collect(),
-            ..Part::default()
+            ..ReportPart::default()
         }
     }
 
@@ -102,12 +102,13 @@ impl Report<'_> {
     }
 
     /// Behind the first page; parts without anything are left out.
-    pub(super) fn parts(&self) -> Vec<Part> {
-        let curves = Part { pictures: self.curves(!self.visit.is_measured), ..self.part("curves") };
+    pub(super) fn parts(&self) -> Vec<ReportPart> {
+        let curves =
+            ReportPart { pictures: self.curves(!self.visit.is_measured), ..self.part("curves") };
         let drawn = [curves, self.linear(), self.readings()];
         let drawn = drawn.into_iter().filter(|part| !part.pictures.is_empty());
         let (missing, found) = (self.missing(), self.found());
-        let reasons = Part { items: self.misses(), ..self.part("reasons") };
+        let reasons = ReportPart { items: self.misses(), ..self.part("reasons") };
         let of_tables = match self.is_found() {
             true => vec![missing, found],
             false => vec![self.tables(), missing, reasons, found, self.assumed(), self.undo()],
@@ -117,12 +118,12 @@ impl Report<'_> {
     }
 
     /// Figures of ISO 230-2, a column for each file of runs.
-    fn linear(&self) -> Part {
+    fn linear(&self) -> ReportPart {
         let files = &self.visit.linear;
         let names: Vec<String> = (1..=files.len()).map(linear_document).collect();
         let rows = FIGURES.map(|(figure, shown)| {
             let at = format!("/iso_230_2/{figure}_um");
-            let own = names.iter().map(|name| self.figure(name, &at, Kind::Deviation));
+            let own = names.iter().map(|name| self.figure(name, &at, FigureKind::Deviation));
             line(shown.to_string(), own)
         });
         let rows = rows.into_iter().filter(|row| row[1..].iter().any(|cell| cell != NONE));
@@ -132,16 +133,16 @@ impl Report<'_> {
             let said = said.into_iter().flat_map(|at| self.sentences(name, &at));
             said.map(move |words| format!("{}: {words}", escaped(file)))
         });
-        let tables = vec![Table::new(head, rows, false)];
-        Part { tables, said: said.collect(), ..self.part("linear") }
+        let tables = vec![ReportTable::new(head, rows, false)];
+        ReportPart { tables, said: said.collect(), ..self.part("linear") }
     }
 
     /// Figures of the diagonals as they were read.
-    fn readings(&self) -> Part {
+    fn readings(&self) -> ReportPart {
         const OF: &str = "/iso_230_6/diagonals";
         let names = self.keys("standards", OF);
         let at = |name: &str, figure: &str| {
-            self.figure("standards", &format!("{OF}/{name}/{figure}_um"), Kind::Deviation)
+            self.figure("standards", &format!("{OF}/{name}/{figure}_um"), FigureKind::Deviation)
         };
         let mut figures = vec!["E", "B", "R", "A", "range"];
         figures.retain(|figure| names.iter().any(|name| at(name, figure) != NONE));
@@ -149,30 +150,31 @@ impl Report<'_> {
         let rows = names.iter().map(row);
         let shown = figures.iter().map(|figure| self.named(figure, figure));
         let head = line(format!("{}, {}", self.t("diagonal"), self.unit()), shown);
-        Part {
-            tables: vec![Table::new(head, rows, false)],
+        ReportPart {
+            tables: vec![ReportTable::new(head, rows, false)],
             said: self.sentences("standards", "/iso_230_6/label"),
             ..self.part("readings")
         }
     }
 
-    fn volume(&self) -> Part {
+    fn volume(&self) -> ReportPart {
         let part = self.part("volume");
         if self.document("assess").is_null() {
             let said = self.visit.without_volume.iter().map(|words| escaped(words));
-            return Part { words: vec![self.t("no_volume")], said: said.collect(), ..part };
+            return ReportPart { words: vec![self.t("no_volume")], said: said.collect(), ..part };
         }
-        let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
+        let nodes =
+            [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), FigureKind::Count));
         let found: HashSet<String> = self.findings().into_iter().collect();
         let labels = self.sentences("assess", "/labels").into_iter();
-        Part {
+        ReportPart {
             words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
             said: labels.filter(|words| !found.contains(words)).collect(),
             ..part
         }
     }
 
-    fn tables(&self) -> Part {
+    fn tables(&self) -> ReportPart {
         if !self.is_kit_known() {
             return self.listed("tables", Vec::new(), "no_manifest");
         }
@@ -183,13 +185,13 @@ impl Report<'_> {
                 escaped(text(table, "term")),
                 direction.map_or_else(|| self.t("both"), escaped),
                 escaped(text(table, "place")),
-                figure("points", Kind::Count),
-                figure("grid_residual_um", Kind::Deviation),
+                figure("points", FigureKind::Count),
+                figure("grid_residual_um", FigureKind::Deviation),
             ]
         });
         let residual = format!("{}, {}", self.t("residual"), self.unit());
         let head = ["term", "direction", "place", "points"].map(|key| self.t(key));
-        let placed = Table::new(head.into_iter().chain([residual]).collect(), rows, true);
+        let placed = ReportTable::new(head.into_iter().chain([residual]).collect(), rows, true);
         let files = self.list("kit", "/files").map(|file| {
             let (path, role) = (text(file, "path"), text(file, "role"));
             let size = self.visit.sizes.get(path).map_or_else(String::new, usize::to_string);
@@ -198,8 +200,8 @@ impl Report<'_> {
             cells
         });
         let head = ["file", "role", "bytes", "sha256"].map(|key| self.t(key));
-        let files = Table::new(head.to_vec(), files, true);
-        Part { tables: vec![placed, files], ..self.part("tables") }
+        let files = ReportTable::new(head.to_vec(), files, true);
+        ReportPart { tables: vec![placed, files], ..self.part("tables") }
     }
 
     /// The entries of a list, two of their texts each.
@@ -208,7 +210,7 @@ impl Report<'_> {
         self.list(document, at).map(pair).collect()
     }
 
-    fn missing(&self) -> Part {
+    fn missing(&self) -> ReportPart {
         if self.is_found() {
             let missing = self.pairs("assess", "/missing", ["name", "consequence"]);
             return self.listed("missing_found", missing, "nothing_missing_found");
@@ -222,7 +224,7 @@ impl Report<'_> {
         let said = self.pairs("kit", "/omitted", ["term", "reason"]);
         let is_none = items.is_empty() && said.is_empty();
         let words = is_none.then(|| self.t(without)).into_iter().collect();
-        Part { words, items, said, ..self.part("missing") }
+        ReportPart { words, items, said, ..self.part("missing") }
     }
 
     /// Whether the directory says what it holds.
@@ -230,7 +232,7 @@ impl Report<'_> {
         !self.document("kit").is_null()
     }
 
-    fn found(&self) -> Part {
+    fn found(&self) -> ReportPart {
         self.listed("findings", self.findings(), "no_findings")
     }
 
@@ -243,18 +245,18 @@ impl Report<'_> {
         once(all.filter(|words| !misses.contains(words)).collect())
     }
 
-    fn assumed(&self) -> Part {
+    fn assumed(&self) -> ReportPart {
         let spaced = |words: &str| escaped(&words.replace('_', " "));
         let rows = self.visit.assumptions.iter().map(|assumed| {
             let fact = format!("{}: {}", spaced(&assumed.fact), spaced(&assumed.value));
             vec![fact, escaped(&assumed.consequence)]
         });
         let head = vec![String::new(), self.t("if_wrong")];
-        let table = Table { is_english: true, ..Table::new(head, rows, true) };
-        Part { tables: vec![table], ..self.part("assumptions") }
+        let table = ReportTable { is_english: true, ..ReportTable::new(head, rows, true) };
+        ReportPart { tables: vec![table], ..self.part("assumptions") }
     }
 
-    fn undo(&self) -> Part {
+    fn undo(&self) -> ReportPart {
         let is_back = |file: &&Value| ["rollback", "disable"].contains(&text(file, "role"));
         let files = self.list("kit", "/files").filter(is_back);
         let items: Vec<String> = files.map(|file| escaped(text(file, "path"))).collect();
@@ -263,22 +265,22 @@ impl Report<'_> {
             (true, true) => "undo_hand",
             (true, false) => "undo_words",
         };
-        Part { words: vec![self.t(words)], items, ..self.part("undo") }
+        ReportPart { words: vec![self.t(words)], items, ..self.part("undo") }
     }
 
     /// What was read now, what the kit was made from, what was measured afterwards.
-    fn provenance(&self) -> Part {
+    fn provenance(&self) -> ReportPart {
         let own = self.visit.inputs.iter().map(|file| hashed(&file.path, &file.sha256));
         let stated = self.list("kit", "/inputs").chain(self.list("verify", "/after"));
         let stated = stated.map(|file| hashed(text(file, "path"), text(file, "sha256")));
         let head = vec![self.t("file"), self.t("sha256")];
-        let table = Table::new(head, once(own.chain(stated).collect()), true);
-        Part { tables: vec![table], ..self.part("provenance") }
+        let table = ReportTable::new(head, once(own.chain(stated).collect()), true);
+        ReportPart { tables: vec![table], ..self.part("provenance") }
     }
 
     /// Sentences of the program, or the words of a key where there are none.
-    fn listed(&self, id: &'static str, said: Vec<String>, without: &str) -> Part {
+    fn listed(&self, id: &'static str, said: Vec<String>, without: &str) -> ReportPart {
         let words = said.is_empty().then(|| self.t(without));
-        Part { words: words.into_iter().collect(), said, ..self.part(id) }
+        ReportPart { words: words.into_iter().collect(), said, ..self.part(id) }
     }
 }

@@ -15,17 +15,17 @@ const LARGEST: f64 = 1e9;
 const DUST: f64 = 1e-6;
 
 /// A number, and where it stands.
-type Placed = (f64, Range<usize>);
+type NumberAt = (f64, Range<usize>);
 
 /// A point while its lines are read.
-struct Row {
+struct PointDraft {
     line: Range<usize>,
     number: Option<f64>,
     /// Position, value, forward, reverse.
-    fields: Vec<(Field, Placed)>,
+    fields: Vec<(Field, NumberAt)>,
 }
 
-impl Row {
+impl PointDraft {
     fn of(&self, field: Field) -> Option<f64> {
         Some(self.fields.iter().find(|(own, _)| *own == field)?.1.0)
     }
@@ -39,18 +39,18 @@ pub(super) struct Whose {
 }
 
 /// A table while its lines are read.
-pub(super) struct Draft<'a> {
+pub(super) struct TableDraft<'a> {
     facts: &'a DeclaredFacts,
     own: Whose,
     line: Range<usize>,
     /// Start, spacing, count, last.
-    header: Vec<(Field, Placed)>,
-    rows: Vec<Row>,
+    header: Vec<(Field, NumberAt)>,
+    rows: Vec<PointDraft>,
 }
 
-impl<'a> Draft<'a> {
-    pub(super) fn new(facts: &'a DeclaredFacts, line: Range<usize>) -> Draft<'a> {
-        Draft { facts, own: Whose::default(), line, header: Vec::new(), rows: Vec::new() }
+impl<'a> TableDraft<'a> {
+    pub(super) fn new(facts: &'a DeclaredFacts, line: Range<usize>) -> TableDraft<'a> {
+        TableDraft { facts, own: Whose::default(), line, header: Vec::new(), rows: Vec::new() }
     }
 
     /// Whether a line is about it: a name counts before axes.
@@ -101,7 +101,7 @@ impl<'a> Draft<'a> {
             return Ok(()); // the point before it is refused in the end
         }
         if at == self.rows.len() {
-            self.rows.push(Row { line: line.clone(), number, fields: Vec::new() });
+            self.rows.push(PointDraft { line: line.clone(), number, fields: Vec::new() });
         }
         for (field, placed) in of_point {
             put(&mut self.rows[at].fields, field, placed)?;
@@ -109,7 +109,7 @@ impl<'a> Draft<'a> {
         Ok(())
     }
 
-    fn head(&self, field: Field) -> Option<&Placed> {
+    fn head(&self, field: Field) -> Option<&NumberAt> {
         self.header.iter().find(|(own, _)| *own == field).map(|(_, placed)| placed)
     }
 
@@ -172,7 +172,7 @@ impl<'a> Draft<'a> {
     }
 
     /// The numbers of the points follow each other.
-    fn check_number(&self, index: usize, row: &Row, what: &str) -> Result<(), Complaint> {
+    fn check_number(&self, index: usize, row: &PointDraft, what: &str) -> Result<(), Complaint> {
         let expected = f64::from(self.facts.first_point.value) + index as f64;
         match row.number {
             None if self.rows[0].number.is_none() => Ok(()),
@@ -182,7 +182,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Where a point lies, in the unit of the file.
-    fn position(&self, index: usize, row: &Row) -> Result<f64, Complaint> {
+    fn position(&self, index: usize, row: &PointDraft) -> Result<f64, Complaint> {
         let facts = self.facts;
         let missing =
             |field: &str| Complaint::new(row.line.clone(), refusals::point_without(field));
@@ -201,7 +201,12 @@ impl<'a> Draft<'a> {
     }
 
     /// Each point lies behind the one before.
-    fn check_order(&self, before: Option<f64>, position: f64, row: &Row) -> Result<(), Complaint> {
+    fn check_order(
+        &self,
+        before: Option<f64>,
+        position: f64,
+        row: &PointDraft,
+    ) -> Result<(), Complaint> {
         let (is_behind, word) = match self.facts.order.value {
             Order::Ascending => (before.is_none_or(|before| position > before), "above"),
             Order::Descending => (before.is_none_or(|before| position < before), "below"),
@@ -220,7 +225,7 @@ fn is_same([base, output]: &[String; 2], [other_base, other_output]: &[String; 2
 }
 
 /// A point with the values that it has to have.
-fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint> {
+fn point(wanted: &[Field], position: f64, row: &PointDraft) -> Result<Point, Complaint> {
     let all = [Field::Value, Field::Forward, Field::Reverse];
     if let Some(field) = all.iter().find(|own| row.of(**own).is_some() != wanted.contains(own)) {
         let with = if row.of(*field).is_some() { "with" } else { "without" };
@@ -231,7 +236,11 @@ fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint>
 }
 
 /// Takes a field that was not there yet.
-fn put(fields: &mut Vec<(Field, Placed)>, field: Field, placed: Placed) -> Result<(), Complaint> {
+fn put(
+    fields: &mut Vec<(Field, NumberAt)>,
+    field: Field,
+    placed: NumberAt,
+) -> Result<(), Complaint> {
     if fields.iter().any(|(own, _)| *own == field) {
         return Err(Complaint::new(placed.1, refusals::second(field.word())));
     }

@@ -21,7 +21,7 @@ const MOST_RELATIONS: usize = 200;
 /// One row: one point of one term (and direction).
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with the nine columns as keys")]
-pub struct Row {
+pub struct GenericRow {
     /// Which error, by its name.
     pub term: String,
     /// Name of the moving axis.
@@ -44,7 +44,7 @@ pub struct Row {
     pub increment_um: Option<f64>,
 }
 
-impl Row {
+impl GenericRow {
     /// Its error; every row that was checked has one.
     pub fn term(&self) -> Option<ErrorTerm> {
         ErrorTerm::from_name(&self.term)
@@ -57,7 +57,7 @@ impl Row {
 
     /// `EYX+ from `X` to `Y`, index 3`.
     pub(super) fn name(&self) -> String {
-        let Row { term, base_axis, output_axis, index, .. } = self;
+        let GenericRow { term, base_axis, output_axis, index, .. } = self;
         let direction = self.direction.as_deref().unwrap_or_default();
         format!("{term}{direction} from `{base_axis}` to `{output_axis}`, index {index}")
     }
@@ -94,9 +94,9 @@ impl Flaw {
 /// These rows, each as it has to be. What the rows are to each other is told where each of them can be read: a
 /// row that is lost would only be missed there again. `problem` knows the places of the form.
 pub(super) fn checked(
-    read: impl Iterator<Item = Result<Row, Problems>>,
+    read: impl Iterator<Item = Result<GenericRow, Problems>>,
     problem: impl Fn(Flaw) -> Problem,
-) -> Result<Vec<Row>, Problems> {
+) -> Result<Vec<GenericRow>, Problems> {
     let mut problems = Problems::none();
     let (mut rows, mut flaws) = (Vec::new(), Vec::new());
     for (number, row) in read.enumerate() {
@@ -119,7 +119,7 @@ pub(super) fn checked(
 }
 
 /// Notes what is wrong inside a row.
-fn check(number: usize, row: &Row, flaws: &mut Vec<Flaw>) {
+fn check(number: usize, row: &GenericRow, flaws: &mut Vec<Flaw>) {
     let mut flaw = |column, problem| flaws.push(Flaw::new(number, column, problem));
     if row.term().is_none() {
         let names = ErrorTerm::ALL.map(|term| term.to_string()).join(" ");
@@ -132,7 +132,7 @@ fn check(number: usize, row: &Row, flaws: &mut Vec<Flaw>) {
     refuse_other_values(row, &mut flaw);
 }
 
-fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, Problem)) {
+fn refuse_nameless_axes(row: &GenericRow, flaw: &mut impl FnMut(&'static str, Problem)) {
     let is_name = |name: &str| {
         !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
     };
@@ -144,7 +144,7 @@ fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, Problem))
 }
 
 /// A correction that is not the opposite of its deviation, and an increment at the wrong place.
-fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, Problem)) {
+fn refuse_other_values(row: &GenericRow, flaw: &mut impl FnMut(&'static str, Problem)) {
     if (row.deviation_um + row.correction_um).abs() > 0.0 {
         let opposite = 0.0 - row.deviation_um;
         flaw("correction_um", refusals::not_opposite(row.correction_um, opposite));
@@ -157,7 +157,7 @@ fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, Problem)) 
 }
 
 /// What the rows are to each other: one axis for each name, and equal steps in each block.
-fn relations(rows: &[Row]) -> Vec<Flaw> {
+fn relations(rows: &[GenericRow]) -> Vec<Flaw> {
     let mut flaws = names(rows);
     let mut blocks = Blocks::new();
     for (number, row) in rows.iter().enumerate() {
@@ -185,12 +185,12 @@ type Blocks = BTreeMap<Whose, Vec<usize>>;
 type Whose = (Option<ErrorTerm>, [String; 2], Option<Direction>);
 
 /// What a block of one direction contradicts: one for both directions, or that of the other one.
-fn direction_flaw(rows: &[Row], blocks: &Blocks, (term, axes, way): &Whose) -> Option<Flaw> {
+fn direction_flaw(rows: &[GenericRow], blocks: &Blocks, (term, axes, way): &Whose) -> Option<Flaw> {
     let of = |way| blocks.get(&(*term, axes.clone(), way));
     let (own, other) = (of(*way)?, of(Some((*way)?.opposite())));
     if let Some(both) = of(None) {
         let row = own[0].max(both[0]);
-        let Row { base_axis, output_axis, .. } = &rows[row];
+        let GenericRow { base_axis, output_axis, .. } = &rows[row];
         let wrong = refusals::with_and_without(base_axis, output_axis);
         return Some(Flaw::new(row, "direction", wrong));
     }
@@ -202,7 +202,7 @@ fn direction_flaw(rows: &[Row], blocks: &Blocks, (term, axes, way): &Whose) -> O
 
 /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
 /// and a straightness cannot act on its own moving axis.
-fn names(rows: &[Row]) -> Vec<Flaw> {
+fn names(rows: &[GenericRow]) -> Vec<Flaw> {
     let mut flaws = Vec::new();
     let mut known: Vec<(&str, Axis)> = Vec::new();
     let terms = rows.iter().enumerate().filter_map(|(n, row)| Some((n, row, row.term()?)));
@@ -229,7 +229,7 @@ fn names(rows: &[Row]) -> Vec<Flaw> {
 }
 
 /// The first row that is not the next one of its block, or a block of one row.
-fn index_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
+fn index_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
     let mut counted = block.iter().zip(0_u32..);
     if let Some((row, expected)) = counted.find(|(row, expected)| rows[**row].index != *expected) {
         return Some(Flaw::new(*row, "index", refusals::not_next(rows[*row].index, expected)));
@@ -241,7 +241,7 @@ fn index_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
 }
 
 /// Rows that do not lie behind the one before, or whose increment is not the change.
-fn step_flaws(rows: &[Row], block: &[usize]) -> impl Iterator<Item = Flaw> {
+fn step_flaws(rows: &[GenericRow], block: &[usize]) -> impl Iterator<Item = Flaw> {
     block.windows(2).filter_map(|pair| {
         let (before, row) = (&rows[pair[0]], &rows[pair[1]]);
         let (from, to) = (before.position_mm, row.position_mm);
@@ -257,7 +257,7 @@ fn step_flaws(rows: &[Row], block: &[usize]) -> impl Iterator<Item = Flaw> {
 }
 
 /// The row with the most unusual step, if the positions are not equally spaced.
-fn spacing_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
+fn spacing_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
     let at: Vec<f64> = block.iter().map(|row| rows[*row].position_mm).collect();
     if step_of(&at, OFF_GRID_RELATIVE).is_some() {
         return None;

@@ -1,6 +1,6 @@
 //! The two forms of the generic table, CSV and `{"schema":1,"rows":[{…}, …]}`, row by row.
 
-use super::check::{Flaw, Row, checked};
+use super::check::{Flaw, GenericRow, checked};
 use super::refusals;
 use crate::text::{
     Line, LineIndex, MOST_ROWS, Problem, Problems, Source, bounded, lines, nearest,
@@ -26,11 +26,11 @@ pub(super) const COLUMNS: [&str; 9] = [
 #[serde(deny_unknown_fields)]
 struct Document {
     schema: u32,
-    rows: Vec<Row>,
+    rows: Vec<GenericRow>,
 }
 
 /// Reads the JSON form. What is no such document is told at its first place.
-pub(super) fn read_json(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
+pub(super) fn read_json(file: &str, text: &str) -> Result<Vec<GenericRow>, Problems> {
     // JSON may stand in one line; the columns of a long one are not counted.
     let index = refuse_long_lines(file, text).is_ok().then(LineIndex::default);
     let at = |problem: Problem, start: usize, end: usize| match &index {
@@ -73,7 +73,7 @@ fn place_of(text: &str, row: usize, key: &str) -> (usize, usize) {
 }
 
 /// Reads the CSV form; blank lines are ignored.
-pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
+pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<GenericRow>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let mut rows = lines(&source)
         .filter(|line| !line.text().trim().is_empty())
@@ -182,14 +182,14 @@ impl<'a, 'b> Cells<'a, 'b> {
 }
 
 /// The row of a line, or what its columns cannot hold.
-fn row(line: Line<'_>, names: &[String]) -> Result<Row, Problems> {
+fn row(line: Line<'_>, names: &[String]) -> Result<GenericRow, Problems> {
     const NUMBER: &str = "write digits with a decimal point; a row without a value is left out";
     let mut cells = Cells::of(line, names, NUMBER)?;
     let index = cells.text("index").parse::<u32>();
     if index.is_err() {
         cells.refuse("index", refusals::no_index(cells.text("index")));
     }
-    let row = Row {
+    let row = GenericRow {
         term: cells.text("term"),
         base_axis: cells.text("base_axis"),
         output_axis: cells.text("output_axis"),

@@ -34,7 +34,7 @@ fn json_text(csv: &str) -> String {
     text + "\n]}\n"
 }
 
-fn table(text: &str) -> Vec<Row> {
+fn table(text: &str) -> Vec<GenericRow> {
     read("table", text).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
 }
 
@@ -72,7 +72,7 @@ fn check(text: &str, cases: &str) {
 #[test]
 fn a_row_is_read_as_it_stands() {
     let rows = table(&csv_text());
-    let expected = Row {
+    let expected = GenericRow {
         term: "EYX".into(),
         base_axis: "X".into(),
         output_axis: "Y".into(),

@@ -6,7 +6,7 @@
 //! A list holds one of deviation, correction and increment; the other two follow. Increments do not say where
 //! the correction is zero, so a list names the place, `zero_mm`.
 
-use super::check::{Flaw, Row, checked};
+use super::check::{Flaw, GenericRow, checked};
 use super::refusals;
 use super::rows::{Cells, columns, place_among, wrong_count};
 use crate::control::controller::TypedValue;
@@ -60,7 +60,7 @@ pub(super) fn read(
     text: &str,
     held: Option<&str>,
     as_shown: bool,
-) -> Result<Vec<Row>, Problems> {
+) -> Result<Vec<GenericRow>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let Some((header, lines)) = header_and_rows(&source) else {
         return Err(refusals::empty(file).into());
@@ -70,7 +70,7 @@ pub(super) fn read(
         return Err(problem.at(header.whole()).into());
     }
     let mut points = Problems::all(lines.iter().map(|line| point(*line, &columns)))?;
-    let sums: Vec<Point<'_>> = points.extract_if(.., |point| point.is_sum).collect();
+    let sums: Vec<SheetPoint<'_>> = points.extract_if(.., |point| point.is_sum).collect();
     refuse_other_sums(&points, &sums, &columns)?;
     let was_seen = points.iter().any(|point| point.seen_um.is_some());
     let (unseen, mut told_last) = (unseen(&points, &columns), Problems::none());
@@ -136,10 +136,10 @@ impl Columns {
 }
 
 /// A point, or the sum of a page.
-struct Point<'a> {
+struct SheetPoint<'a> {
     line: Line<'a>,
     /// Its deviation, correction and increment once the values are known that count.
-    row: Row,
+    row: GenericRow,
     page: String,
     is_sum: bool,
     zero_mm: f64,
@@ -148,7 +148,7 @@ struct Point<'a> {
     seen_um: Option<f64>,
 }
 
-fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
+fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<SheetPoint<'a>, Problems> {
     const NUMBER: &str = "write digits; a decimal comma needs semicolons between the cells";
     let mut cells = Cells::of(line, &columns.names, NUMBER)?;
     let text = cells.text("point");
@@ -159,16 +159,16 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
     let mut of_point = |column| if index.is_some() { cells.number(column) } else { 0.0 };
     let [position_mm, zero_mm] = ["position_mm", "zero_mm"].map(&mut of_point);
     let um = |value: f64| rounded(value * columns.size, DUST_DECIMALS);
-    let point = Point {
+    let point = SheetPoint {
         line,
-        row: Row {
+        row: GenericRow {
             term: cells.text("term"),
             base_axis: cells.text("base_axis"),
             output_axis: cells.text("output_axis"),
             direction: cells.text_if_any("direction"),
             index: index.unwrap_or_default(),
             position_mm,
-            ..Row::default()
+            ..GenericRow::default()
         },
         page: cells.text("page"),
         is_sum: index.is_none(),
@@ -181,11 +181,11 @@ fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
 
 /// A page whose values do not add up to its sum, in either column, or that has none.
 fn refuse_other_sums(
-    points: &[Point<'_>],
-    sums: &[Point<'_>],
+    points: &[SheetPoint<'_>],
+    sums: &[SheetPoint<'_>],
     columns: &Columns,
 ) -> Result<(), Problems> {
-    let mut pages: BTreeMap<&str, Vec<&Point<'_>>> = BTreeMap::new();
+    let mut pages: BTreeMap<&str, Vec<&SheetPoint<'_>>> = BTreeMap::new();
     for point in points {
         pages.entry(&point.page).or_default().push(point);
     }
@@ -204,8 +204,13 @@ fn refuse_other_sums(
 }
 
 /// What the values of a page, and what was seen of them, add up to, against the sums that stand there.
-fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: &mut Problems) {
-    let total = |um: fn(&Point<'_>) -> Option<f64>| own.iter().map(|point| um(point)).sum();
+fn other_sums(
+    own: &[&SheetPoint<'_>],
+    sum: &SheetPoint<'_>,
+    columns: &Columns,
+    problems: &mut Problems,
+) {
+    let total = |um: fn(&SheetPoint<'_>) -> Option<f64>| own.iter().map(|point| um(point)).sum();
     let typed = (columns.value.as_str(), total(|point| Some(point.um)), Some(sum.um));
     let seen = ("seen", total(|point| point.seen_um), sum.seen_um);
     for (column, total, stated) in [typed, seen] {
@@ -223,9 +228,9 @@ fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: 
 }
 
 /// Where to look first: the rows in which something else was seen than was to be typed.
-fn help_of_sum(page: &[&Point<'_>]) -> String {
+fn help_of_sum(page: &[&SheetPoint<'_>]) -> String {
     let differs =
-        |point: &&&Point<'_>| point.seen_um.is_some_and(|um| (um - point.um).abs() > SAME);
+        |point: &&&SheetPoint<'_>| point.seen_um.is_some_and(|um| (um - point.um).abs() > SAME);
     let lines = page.iter().filter(differs);
     let lines: Vec<String> = lines.map(|point| point.line.number().to_string()).collect();
     match lines.is_empty() {
@@ -238,17 +243,17 @@ fn help_of_sum(page: &[&Point<'_>]) -> String {
 }
 
 /// A missing value is no zero: what was seen counts whole or not at all.
-fn unseen(points: &[Point<'_>], columns: &Columns) -> Option<Problem> {
+fn unseen(points: &[SheetPoint<'_>], columns: &Columns) -> Option<Problem> {
     let missing = points.iter().filter(|point| point.seen_um.is_none());
     let wrong = refusals::not_seen(missing.clone().count(), points.len());
     Some(columns.at(&missing.clone().next()?.line, "seen", wrong))
 }
 
 /// Says of each point deviation, correction and increment, whichever of them the list holds.
-fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> {
+fn say_all(points: &mut [SheetPoint<'_>], columns: &Columns) -> Result<(), Problems> {
     let mut problems = Problems::none();
     let mut blocks: BTreeMap<[&str; 4], Vec<usize>> = BTreeMap::new();
-    for (index, Point { row, .. }) in points.iter().enumerate() {
+    for (index, SheetPoint { row, .. }) in points.iter().enumerate() {
         let direction = row.direction.as_deref().unwrap_or_default();
         let block = [&row.term, &row.base_axis, &row.output_axis, direction];
         blocks.entry(block).or_default().push(index);
@@ -261,7 +266,7 @@ fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> 
         };
         let (mut sum, mut before) = (0.0, None);
         for index in block {
-            let Point { row, um, .. } = &mut points[*index];
+            let SheetPoint { row, um, .. } = &mut points[*index];
             sum += *um;
             row.correction_um = match columns.kind {
                 TypedValue::Deviation => 0.0 - *um,
@@ -281,12 +286,12 @@ fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> 
 /// What increments add up to where the correction is zero. Outward ones become those from the point before: up to the
 /// reference, which has none, each moves on by one point.
 fn sum_at_zero(
-    points: &mut [Point<'_>],
+    points: &mut [SheetPoint<'_>],
     block: &[usize],
     columns: &Columns,
 ) -> Result<f64, Problem> {
     let first = &points[block[0]].line;
-    let is_zero = |point: &Point<'_>| (point.row.position_mm - point.zero_mm).abs() <= SAME;
+    let is_zero = |point: &SheetPoint<'_>| (point.row.position_mm - point.zero_mm).abs() <= SAME;
     let Some(zero) = block.iter().position(|index| is_zero(&points[*index])) else {
         return Err(columns.at(first, "zero_mm", refusals::nowhere_zero()));
     };

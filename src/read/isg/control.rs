@@ -12,7 +12,7 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{IsgFacts, LeverOrigin, TableSign};
-use crate::control::table::isg::{Curve, IsgTables, Parameter};
+use crate::control::table::isg::{IsgCurve, IsgTables, Parameter};
 use crate::quantity::{
     Axis, Correction, Direction, ErrorTerm, Millimetres, PerAxis, PerTerm, Rotation, unit,
 };
@@ -220,7 +220,7 @@ impl Emulator for IsgControl {
 }
 
 /// What is added for a curve, µm or µrad.
-fn response(curve: &Curve, sign: TableSign) -> Option<Response> {
+fn response(curve: &IsgCurve, sign: TableSign) -> Option<Response> {
     let points = curve.points.iter();
     let mm: Vec<f64> = points.clone().map(|point| point.position).collect();
     let values = points.map(|point| sign.correction(point.value * curve.parameter.per_unit()));

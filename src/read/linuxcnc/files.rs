@@ -187,10 +187,10 @@ fn statements(text: &str) -> impl Iterator<Item = Words<'_>> {
 }
 
 /// The words of one line.
-type Line<'a> = [(&'a str, Range<usize>)];
+type HalLine<'a> = [(&'a str, Range<usize>)];
 
 /// A curve: the joint that it looks up, the one that it corrects, and how many points it has.
-struct Curve {
+struct HalCurve {
     base: u32,
     output: u32,
     points: usize,
@@ -201,7 +201,7 @@ fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Complaint
     let curves = curves(&lines, facts)?;
     let mut numbers = numbers(text, &lines[1..], &form(&curves))?.into_iter();
     let mut tables: BTreeMap<(u32, u32), Vec<Vec<Point>>> = BTreeMap::new();
-    for Curve { base, output, points } in curves {
+    for HalCurve { base, output, points } in curves {
         let mut piece: Vec<Point> = Vec::new();
         while piece.len() < points
             && let Some(((position, at), (value, _))) = numbers.next().zip(numbers.next())
@@ -273,7 +273,7 @@ fn numbers(
 }
 
 /// A line that is not that of the form, at its first word that differs.
-fn differs(text: &str, line: &Line<'_>, at: usize, expected: &str) -> Complaint {
+fn differs(text: &str, line: &HalLine<'_>, at: usize, expected: &str) -> Complaint {
     let end = line.last().map_or(text.len(), |(_, span)| span.end);
     let found = line.get(at).map(|(word, span)| (format!("`{}`", shown(word)), span.clone()));
     let (found, span) = found.unwrap_or_else(|| ("nothing".to_string(), end..end));
@@ -281,7 +281,7 @@ fn differs(text: &str, line: &Line<'_>, at: usize, expected: &str) -> Complaint 
 }
 
 /// The curves that the first line loads, each with the joints that it is linked to.
-fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Complaint> {
+fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<HalCurve>, Complaint> {
     let first = lines.first().map_or(&[][..], Vec::as_slice);
     let at = first.first().map_or(0..0, |(_, span)| span.clone());
     let wrong = |message: String| Complaint::new(at.clone(), refusals::hal(message));
@@ -304,23 +304,23 @@ fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Comp
         })
     };
     let curve = |(number, points)| {
-        Ok(Curve { base: joint(number, "in")?, output: joint(number, "out")?, points })
+        Ok(HalCurve { base: joint(number, "in")?, output: joint(number, "out")?, points })
     };
-    let curves: Vec<Curve> =
+    let curves: Vec<HalCurve> =
         lengths.into_iter().enumerate().map(curve).collect::<Result<_, _>>()?;
     if !curves.is_sorted_by_key(|curve| curve.output) {
         return Err(wrong("the curves of a joint do not stand together".to_string()));
     }
     match curves.iter().find(|curve| curve.base == curve.output) {
         None => Ok(curves),
-        Some(Curve { base, .. }) => {
+        Some(HalCurve { base, .. }) => {
             Err(wrong(format!("joint {base} corrects itself, which its COMP_FILE does")))
         }
     }
 }
 
 /// Points of each curve: a list is used from its beginning again where there are more curves.
-fn lengths(line: &Line<'_>, facts: &LinuxcncFacts) -> Option<Vec<usize>> {
+fn lengths(line: &HalLine<'_>, facts: &LinuxcncFacts) -> Option<Vec<usize>> {
     let [("loadrt", _), ("lincurve", _), (count, _), (list, _)] = line else {
         return None;
     };
@@ -341,7 +341,7 @@ fn lengths(line: &Line<'_>, facts: &LinuxcncFacts) -> Option<Vec<usize>> {
 ///   curves of a joint, added up one after the other = correction
 ///   command + correction = drive        encoder − correction = feedback
 /// ```
-fn form(curves: &[Curve]) -> Vec<String> {
+fn form(curves: &[HalCurve]) -> Vec<String> {
     let bases: BTreeSet<u32> = curves.iter().map(|curve| curve.base).collect();
     let position = |base: u32| format!("nonius-{base}-position");
     let mut nets: Vec<(String, String)> =

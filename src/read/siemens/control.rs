@@ -41,7 +41,7 @@ pub(super) fn control(
     facts: &SiemensFacts,
     state: &ControlState,
 ) -> Emulated<PairControl> {
-    let load = |table| Ok(Loaded { table, corrections: nodes(table, facts, state.unit)? });
+    let load = |table| Ok(TableInControl { table, corrections: nodes(table, facts, state.unit)? });
     let memory = Memory {
         tables: tables.tables.iter().map(load).collect::<Result<_, _>>()?,
         facts,
@@ -53,18 +53,18 @@ pub(super) fn control(
 
 /// Checked tables.
 struct Memory<'a> {
-    tables: Vec<Loaded<'a>>,
+    tables: Vec<TableInControl<'a>>,
     facts: &'a SiemensFacts,
     um_per_unit: f64,
 }
 
 /// A checked table.
-struct Loaded<'a> {
+struct TableInControl<'a> {
     table: &'a SiemensTable,
     corrections: NodeTable,
 }
 
-impl Loaded<'_> {
+impl TableInControl<'_> {
     fn is_from(&self, base: &str) -> bool {
         same(&self.table.input_axis, base)
     }
@@ -117,7 +117,7 @@ impl Memory<'_> {
         Ok(Response::new(tables.collect(), Correction::ZERO))
     }
 
-    fn lec_of(&self, axis: &str) -> Emulated<Option<&Loaded<'_>>> {
+    fn lec_of(&self, axis: &str) -> Emulated<Option<&TableInControl<'_>>> {
         let mut of_axis = self.tables.iter().filter_map(|loaded| {
             let (own, encoder) = loaded.table.place.lec()?;
             same(own, axis).then_some((loaded, encoder))
@@ -132,19 +132,20 @@ impl Memory<'_> {
     }
 
     /// CEC tables that add to an axis by themselves.
-    fn cec_of(&self, output: &str) -> impl Iterator<Item = &Loaded<'_>> {
-        let contributes =
-            |table: &Loaded<'_>| !self.is_factor(table) || self.facts.factor_contributes.value;
+    fn cec_of(&self, output: &str) -> impl Iterator<Item = &TableInControl<'_>> {
+        let contributes = |table: &TableInControl<'_>| {
+            !self.is_factor(table) || self.facts.factor_contributes.value
+        };
         self.tables.iter().filter(move |table| table.is_cec_of(output) && contributes(table))
     }
 
-    fn factor_of(&self, own: &Loaded<'_>) -> Option<&Loaded<'_>> {
+    fn factor_of(&self, own: &TableInControl<'_>) -> Option<&TableInControl<'_>> {
         let place = factor(own.table)?;
         self.tables.iter().find(|other| other.table.place == place)
     }
 
     /// Whether another table is multiplied by it.
-    fn is_factor(&self, own: &Loaded<'_>) -> bool {
+    fn is_factor(&self, own: &TableInControl<'_>) -> bool {
         let place = &own.table.place;
         let mut others = self.tables.iter().filter(|other| other.table.place != *place);
         others.any(|other| factor(other.table).as_ref() == Some(place))
@@ -152,7 +153,7 @@ impl Memory<'_> {
 
     /// A product of tables has no response of one base axis alone.
     fn refuse_products(&self, base: &str, output: &str) -> Emulated<()> {
-        let takes_part = |loaded: &&Loaded<'_>| {
+        let takes_part = |loaded: &&TableInControl<'_>| {
             let factor = self.factor_of(loaded);
             let is_product = factor.is_some() || self.is_factor(loaded);
             let from_base =
@@ -182,7 +183,7 @@ impl Memory<'_> {
         ))
     }
 
-    fn peak_um(&self, table: &Loaded<'_>) -> f64 {
+    fn peak_um(&self, table: &TableInControl<'_>) -> f64 {
         let Some(factor) = self.factor_of(table) else {
             return table.peak_um();
         };

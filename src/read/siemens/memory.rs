@@ -47,12 +47,12 @@ fn optional(place: &Place) -> &'static [&'static str] {
 
 /// A value and where it stands.
 #[derive(Clone, Debug)]
-struct Placed {
+struct CellValue {
     value: MachineValue,
     span: Range<usize>,
 }
 
-impl Placed {
+impl CellValue {
     fn number(&self) -> f64 {
         self.value.number().unwrap_or(f64::NAN) // of parameters that are none
     }
@@ -64,20 +64,20 @@ impl Placed {
 
 /// A table while its file is being read.
 #[derive(Debug, Default)]
-struct Draft {
+struct TableDraft {
     writer: Writer,
     head: Range<usize>,
     /// What could not be read of it.
     complaints: Vec<Complaint>,
     protected: bool,
-    cells: BTreeMap<Cell, Placed>,
+    cells: BTreeMap<Cell, CellValue>,
 }
 
 /// The tables and machine data of one file while it is being read.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     writer: Writer,
-    tables: BTreeMap<Place, Draft>,
+    tables: BTreeMap<Place, TableDraft>,
     /// The first switch behind the last `NEWCONF`.
     pub(super) waiting: Option<String>,
     /// Whether a switch was on.
@@ -123,14 +123,14 @@ impl Memory {
         value: Result<MachineValue, Complaint>,
         set: &Assignment<'_>,
     ) -> Result<(), Complaint> {
-        let begin = || Draft { writer: self.writer, ..Draft::default() };
+        let begin = || TableDraft { writer: self.writer, ..TableDraft::default() };
         let draft = self.tables.entry(place.clone()).or_insert_with(begin);
         if draft.head.is_empty() {
             draft.head = set.head.clone();
         }
         match value {
             Ok(value) => {
-                if draft.put(cell, Placed { value, span: set.value_span.clone() }) {
+                if draft.put(cell, CellValue { value, span: set.value_span.clone() }) {
                     self.all.twice.insert(set.variable());
                 }
             }
@@ -173,7 +173,8 @@ impl Memory {
             return self.all;
         }
         for (place, draft) in self.tables {
-            if self.writer == Writer::Control && draft.cell("_STEP").is_some_and(Placed::is_zero) {
+            if self.writer == Writer::Control && draft.cell("_STEP").is_some_and(CellValue::is_zero)
+            {
                 // The control reserves memory for the table and nobody filled it.
                 self.all.tables.reserved.push(place.to_string());
             } else {
@@ -185,7 +186,7 @@ impl Memory {
 
     /// A few lines may ask for many points: MIN, STEP and MAX.
     fn too_many_points(&self) -> Option<Complaint> {
-        let steps = |draft: &Draft| {
+        let steps = |draft: &TableDraft| {
             let steps = draft.stated_grid()?.steps();
             (0.0..MOST_POINTS).contains(&steps).then_some(steps)
         };
@@ -197,10 +198,10 @@ impl Memory {
     }
 }
 
-impl Draft {
+impl TableDraft {
     /// Sets a cell; gives whether a control holds two values of it. Of two steps that a control wrote, the one
     /// that gives a grid counts.
-    fn put(&mut self, cell: Cell, placed: Placed) -> bool {
+    fn put(&mut self, cell: Cell, placed: CellValue) -> bool {
         let of_control = self.cells.get(&cell).filter(|_| self.writer == Writer::Control);
         let is_other = of_control.is_some_and(|old| old.value != placed.value);
         if !(cell.0 == "_STEP" && of_control.is_some() && placed.is_zero()) {
@@ -209,7 +210,7 @@ impl Draft {
         is_other
     }
 
-    fn cell(&self, parameter: &'static str) -> Option<&Placed> {
+    fn cell(&self, parameter: &'static str) -> Option<&CellValue> {
         self.cells.get(&(parameter, 0))
     }
 
@@ -222,7 +223,7 @@ impl Draft {
 
     /// A number that is read as 0 where no line writes it.
     fn number(&self, parameter: &'static str) -> f64 {
-        self.cell(parameter).map_or(0.0, Placed::number)
+        self.cell(parameter).map_or(0.0, CellValue::number)
     }
 
     fn direction(&self) -> Option<Direction> {
@@ -236,12 +237,12 @@ impl Draft {
     /// MIN, STEP and MAX, where all three are written.
     fn stated_grid(&self) -> Option<SiemensGrid> {
         let [min, step, max] =
-            ["_MIN", "_STEP", "_MAX"].map(|of| self.cell(of).map(Placed::number));
+            ["_MIN", "_STEP", "_MAX"].map(|of| self.cell(of).map(CellValue::number));
         Some(SiemensGrid { min: min?, step: step?, max: max? })
     }
 
     /// Points from this one on.
-    fn points(&self, first: u32) -> impl Iterator<Item = (u32, &Placed)> {
+    fn points(&self, first: u32) -> impl Iterator<Item = (u32, &CellValue)> {
         self.cells.range(("", first)..=("", u32::MAX)).map(|((_, point), placed)| (*point, placed))
     }
 
@@ -307,7 +308,7 @@ impl Draft {
         });
         let behind: Vec<Complaint> = behind.collect();
         self.complaints.extend(behind);
-        let value = |point| self.cells.get(&("", point)).map(Placed::number);
+        let value = |point| self.cells.get(&("", point)).map(CellValue::number);
         Some((grid, (0..=last).map(value).collect()))
     }
 

@@ -6,7 +6,7 @@ use crate::control::controller::{Typed, TypedValue};
 use crate::control::table::{ListedTable, ListedTables};
 use crate::quantity::{Direction, ErrorTerm, Figure, rounded};
 use crate::write::control_text::{Seen, seen};
-use crate::write::family::Emitted;
+use crate::write::family::FileSource;
 use crate::write::listed::DUST_DECIMALS;
 
 /// Places of the reference and distances are written to the nanometre, as positions are.
@@ -25,7 +25,7 @@ struct Block<'a> {
 }
 
 /// One point of it.
-struct Row {
+struct SheetRow {
     index: usize,
     position_mm: f64,
     correction_um: f64,
@@ -34,7 +34,7 @@ struct Row {
 }
 
 /// What templates see.
-pub(super) fn of_tables(typed: &Typed, emitted: &Emitted<'_>, held: &ListedTables) -> Seen {
+pub(super) fn of_tables(typed: &Typed, emitted: &FileSource<'_>, held: &ListedTables) -> Seen {
     let blocks = blocks(typed, emitted, held);
     let rows = blocks.iter().flat_map(|block| block.rows().map(move |row| (block, row)));
     let mut rows = rows.filter(|_| !typed.is_held()).peekable(); // they are µm
@@ -63,7 +63,7 @@ pub(super) fn of_tables(typed: &Typed, emitted: &Emitted<'_>, held: &ListedTable
 }
 
 /// The tables in the order of the plan, each direction by itself.
-fn blocks<'a>(typed: &Typed, emitted: &Emitted<'_>, held: &'a ListedTables) -> Vec<Block<'a>> {
+fn blocks<'a>(typed: &Typed, emitted: &FileSource<'_>, held: &'a ListedTables) -> Vec<Block<'a>> {
     let mut blocks = Vec::new();
     for placed in &emitted.compiled.placements {
         let unit_um = emitted.task.detection_unit_um(placed.term.of);
@@ -80,7 +80,7 @@ fn blocks<'a>(typed: &Typed, emitted: &Emitted<'_>, held: &'a ListedTables) -> V
 }
 
 impl Block<'_> {
-    fn rows(&self) -> impl Iterator<Item = Row> {
+    fn rows(&self) -> impl Iterator<Item = SheetRow> {
         let mut before: Option<f64> = None;
         self.table.points.iter().enumerate().map(move |(index, point)| {
             let reverse = point.reverse.filter(|_| self.direction == Some(Direction::Minus));
@@ -90,12 +90,12 @@ impl Block<'_> {
                 true => rounded(um, DUST_DECIMALS),
                 false => um + 0.0,
             });
-            Row { index, position_mm: point.position, correction_um, increment_um }
+            SheetRow { index, position_mm: point.position, correction_um, increment_um }
         })
     }
 
     /// A row of CSV and JSON, with every number as finished text.
-    fn of_row(&self, row: &Row, is_last: bool) -> Seen {
+    fn of_row(&self, row: &SheetRow, is_last: bool) -> Seen {
         let increment = row.increment_um.map(number);
         seen! {
             "term": self.term.to_string(),
@@ -118,8 +118,8 @@ impl Block<'_> {
     }
 
     /// The pages to be typed in.
-    fn sheet(&self, typed: &Typed, emitted: &Emitted<'_>, page: &mut usize) -> Option<Seen> {
-        let mut rows: Vec<Row> = self.rows().collect();
+    fn sheet(&self, typed: &Typed, emitted: &FileSource<'_>, page: &mut usize) -> Option<Seen> {
+        let mut rows: Vec<SheetRow> = self.rows().collect();
         let zero_mm = emitted.compiled.state.axis(&self.table.base)?.reference.mm();
         let zero_mm = rounded(zero_mm, POSITION_DECIMALS);
         let zero = rows.iter().position(|row| row.position_mm >= zero_mm)?;
@@ -147,15 +147,15 @@ impl Block<'_> {
     }
 }
 
-fn seen_page(rows: &[Row], typed: &Typed, page: usize) -> Seen {
+fn seen_page(rows: &[SheetRow], typed: &Typed, page: usize) -> Seen {
     // Before the first point nothing changes.
-    let um = |row: &Row| match typed.value.value {
+    let um = |row: &SheetRow| match typed.value.value {
         TypedValue::Deviation => 0.0 - row.correction_um,
         TypedValue::Correction => row.correction_um,
         TypedValue::Increment | TypedValue::Outward => row.increment_um.unwrap_or(0.0),
     };
     let size = if typed.is_held() { 1.0 } else { typed.unit.value.um };
-    let value = |row: &Row| rounded(um(row) / size, SUM_DECIMALS);
+    let value = |row: &SheetRow| rounded(um(row) / size, SUM_DECIMALS);
     let seen = rows.iter().map(|row| {
         seen! {
             "point": row.index.to_string(),

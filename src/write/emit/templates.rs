@@ -165,7 +165,7 @@ struct Layout {
 }
 
 /// A word or sign and where it stands in the template.
-type Placed<'a> = (&'a str, Range<usize>);
+type Token<'a> = (&'a str, Range<usize>);
 
 impl Layout {
     /// The layout of a template that the engine has parsed.
@@ -182,7 +182,7 @@ impl Layout {
                 let span = inside.start + word.start()..inside.start + word.end();
                 (&template[span.clone()], span)
             });
-            let words: Vec<Placed<'_>> = words.collect();
+            let words: Vec<Token<'_>> = words.collect();
             check(&words)?;
             layout.tags.push(open.iter().flatten().cloned().collect());
             let Some((kind, span)) = words.first().filter(|_| does.is_some()) else {
@@ -238,7 +238,7 @@ fn is_word(text: &str) -> bool {
 }
 
 /// Refuses what no layout needs.
-fn check(words: &[Placed<'_>]) -> Result<(), Wrong> {
+fn check(words: &[Token<'_>]) -> Result<(), Wrong> {
     let mut before = "";
     for (word, span) in words {
         let is_sign = !is_word(word) && !word.starts_with(['"', '\'', '`']);
@@ -260,7 +260,7 @@ fn check(words: &[Placed<'_>]) -> Result<(), Wrong> {
 }
 
 /// First and last name of the list of `for name in path`, which says nothing else.
-fn list_of(words: &[Placed<'_>]) -> Result<(String, String), Wrong> {
+fn list_of(words: &[Token<'_>]) -> Result<(String, String), Wrong> {
     let texts: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
     let path = texts.get(3..).unwrap_or_default().join(" ");
     let names: Vec<&str> = path.split(" . ").collect();

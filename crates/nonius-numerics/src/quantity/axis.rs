@@ -195,9 +195,9 @@ pub struct PerAxis<T> {
 
 /// A place or a vector: in documents `[x, y, z]`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Listed<T>(pub PerAxis<T>);
+pub struct Xyz<T>(pub PerAxis<T>);
 
-impl<T: Serialize> Serialize for Listed<T> {
+impl<T: Serialize> Serialize for Xyz<T> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let PerAxis { x, y, z } = &self.0;
         [x, y, z].serialize(to)

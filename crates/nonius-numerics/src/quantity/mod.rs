@@ -9,7 +9,7 @@ pub mod pitch;
 mod plane;
 mod units;
 
-pub use self::axis::{Axis, Direction, ErrorTerm, Listed, PerAxis, PerTerm, Rotation};
+pub use self::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation, Xyz};
 pub use self::chain::{Chain, LeverEffect, displaced, unit};
 pub use self::curve::{ErrorCurve, Interpolation, JUMP_MM};
 pub use self::diagonal::{Diagonal, LaserPath, Pass, PathKind, PerDiagonal, Run, Volume};

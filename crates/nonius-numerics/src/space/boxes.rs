@@ -6,7 +6,7 @@
 //! no bound is above what was found, that is the largest value; if the steps end first, the highest bound is left.
 
 use super::diameter::Diameter;
-use super::grid_map::{ARM, GridMap, Interval, Node, Row, Vector, last_row, tree};
+use super::grid_map::{ARM, AxisAtNode, GridMap, Interval, Node, Vector, last_row, tree};
 use super::pair::{dot, minus, room};
 use std::collections::BinaryHeap;
 use std::ops::Range;
@@ -34,7 +34,7 @@ const UM_PER_M: f64 = 1e6;
 /// A grid as trees, one an axis.
 pub struct Boxes<'m> {
     map: &'m GridMap,
-    trees: [Vec<Row<Interval>>; 3],
+    trees: [Vec<AxisAtNode<Interval>>; 3],
     /// What a bound may be wrong by, µm.
     room: f64,
 }
@@ -42,7 +42,8 @@ pub struct Boxes<'m> {
 impl<'m> Boxes<'m> {
     /// The boxes of a map.
     pub fn of(map: &'m GridMap) -> Self {
-        let of = |rows: &Vec<Row>| tree(rows.iter().map(|row| row.map(Interval::of)).collect());
+        let of =
+            |rows: &Vec<AxisAtNode>| tree(rows.iter().map(|row| row.map(Interval::of)).collect());
         let trees = map.rows.each_ref().map(of);
         Boxes { map, room: room(map.size_um()), trees }
     }

@@ -13,10 +13,11 @@
 
 use crate::space::grid_map;
 use crate::space::grid_map::{
-    ARM, BY_SECOND, BY_THIRD, GridMap, Interval, Node, ROLL, Row, Vector, Window, last_row, tree,
+    ARM, AxisAtNode, BY_SECOND, BY_THIRD, GridMap, Interval, Node, ROLL, Vector, Window, last_row,
+    tree,
 };
 use crate::space::pair::{
-    DirectionCell, Ends, Frame, Longest, Point, dot, minus, room, search, square, unit,
+    DirectionCell, Ends, Frame, Longest, NumberedVector, dot, minus, room, search, square, unit,
 };
 
 /// Smallest cosine of a cell whose ends are listed rather than the cell cut.
@@ -81,8 +82,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn point(&self, node: Node) -> Point {
-        Point { at: self.map.at(node), number: self.map.number(node) }
+    fn point(&self, node: Node) -> NumberedVector {
+        NumberedVector { at: self.map.at(node), number: self.map.number(node) }
     }
 
     /// What the vectors must reach along a cell for a difference as long as the longest one.
@@ -101,7 +102,7 @@ impl Search<'_> {
     }
 
     /// A node by its places in the lists of the window.
-    fn seen(&self, places: Node) -> Point {
+    fn seen(&self, places: Node) -> NumberedVector {
         self.point([0, 1, 2].map(|axis| self.nodes[axis][places[axis]]))
     }
 
@@ -132,7 +133,7 @@ impl Search<'_> {
             return high + depth >= needed;
         }
         let most = if fine { usize::MAX } else { LISTED };
-        let list = |side, least| -> Option<Vec<Point>> {
+        let list = |side, least| -> Option<Vec<NumberedVector>> {
             let nodes = sight.beyond(side, least, most)?;
             Some(nodes.into_iter().map(|places| self.seen(places)).collect())
         };
@@ -182,7 +183,7 @@ impl Sight {
     /// Some nodes of each axis, seen along `d`.
     fn of(map: &GridMap, nodes: &[Vec<usize>; 3], d: &Vector) -> Sight {
         let d = map.along_chain(*d);
-        let numbers = |row: &Row| {
+        let numbers = |row: &AxisAtNode| {
             [
                 Interval::of(dot(&d, &[row[0], row[1], row[2]])),
                 Interval::of(d[0] * row[BY_SECOND] + d[2] * row[ROLL]),
@@ -380,7 +381,7 @@ fn furthest(vectors: &[Vector], from: &Vector) -> usize {
 
 /// From a vector to the one furthest from it, and so on while the step grows.
 fn walk(vectors: &[Vector], longest: &mut Longest) {
-    let point = |number: usize| Point { at: vectors[number], number };
+    let point = |number: usize| NumberedVector { at: vectors[number], number };
     let mut from = 0;
     for _ in 0..STEPS {
         let to = furthest(vectors, &vectors[from]);
@@ -394,6 +395,7 @@ fn walk(vectors: &[Vector], longest: &mut Longest) {
 fn ends(vectors: &[Vector], middle: &Vector, least: f64) -> Ends {
     let least = if least > 0.0 { least * least * (1.0 - 1e-12) } else { 0.0 };
     let far = vectors.iter().enumerate().filter(|(_, vector)| square(vector, middle) >= least);
-    let top: Vec<Point> = far.map(|(number, at)| Point { at: *at, number }).collect();
+    let top: Vec<NumberedVector> =
+        far.map(|(number, at)| NumberedVector { at: *at, number }).collect();
     Ends { bottom: top.clone(), top }
 }

@@ -23,7 +23,7 @@ pub struct AxisNode {
 
 /// What an axis does at one of its nodes, components in the order of the chain: its shift, what it adds for a metre of the
 /// axes behind it (of those without a lever 0), its lever in m.
-pub(super) type Row<T = f64> = [T; 7];
+pub(super) type AxisAtNode<T = f64> = [T; 7];
 
 /// Component 1 for a metre of axis 2.
 pub(super) const BY_SECOND: usize = 3;
@@ -49,7 +49,7 @@ pub struct GridMap {
     /// Place of x, y, z in the chain.
     place: [usize; 3],
     /// The nodes of axis 1, 2 and 3.
-    pub(super) rows: [Vec<Row>; 3],
+    pub(super) rows: [Vec<AxisAtNode>; 3],
 }
 
 impl GridMap {
@@ -107,7 +107,7 @@ impl GridMap {
 
     /// The error vector of three rows, x, y, z; of ranges the range of it. **The only place where one is computed.**
     #[inline(always)]
-    pub(super) fn error<T>(&self, rows: [&Row<T>; 3]) -> [T; 3]
+    pub(super) fn error<T>(&self, rows: [&AxisAtNode<T>; 3]) -> [T; 3]
     where
         T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
     {
@@ -181,11 +181,12 @@ impl GridMap {
     /// Sum of the largest magnitudes that a vector is made of, µm.
     pub(super) fn size_um(&self) -> f64 {
         let [first, second, third] = self.rows.each_ref().map(|rows| {
-            let larger = |m: Row, row: &Row| std::array::from_fn(|n| m[n].max(row[n].abs()));
+            let larger =
+                |m: AxisAtNode, row: &AxisAtNode| std::array::from_fn(|n| m[n].max(row[n].abs()));
             rows.iter().fold([0.0; 7], larger)
         });
-        let shift = |row: &Row| row[0].max(row[1]).max(row[2]);
-        let turn = |row: &Row, term: usize| row[term].max(row[ROLL]);
+        let shift = |row: &AxisAtNode| row[0].max(row[1]).max(row[2]);
+        let turn = |row: &AxisAtNode, term: usize| row[term].max(row[ROLL]);
         let by_third = turn(&first, BY_THIRD) + turn(&second, BY_THIRD);
         let levers = turn(&first, BY_SECOND) * second[ARM] + by_third * third[ARM];
         3.0 * (shift(&first) + shift(&second) + shift(&third) + levers)

@@ -10,7 +10,7 @@
 //! processor.
 
 use crate::space::grid_map::{GridMap, Node, Vector, node};
-use crate::space::pair::{Ends, Longest, Point, dot, square};
+use crate::space::pair::{Ends, Longest, NumberedVector, dot, square};
 use crate::space::{diameter, pair};
 use crate::threads::of_parts;
 use chacha20::ChaCha8Rng;
@@ -386,8 +386,8 @@ fn apart(unit: &Vector, mean: &Vector) -> f64 {
 
 fn compare(vectors: &[Vector], records: &[usize]) -> Option<Longest> {
     let mut longest = Longest::none(*records.first()?);
-    let point = |number: &usize| Point { at: vectors[*number], number: *number };
-    let top: Vec<Point> = records.iter().map(point).collect();
+    let point = |number: &usize| NumberedVector { at: vectors[*number], number: *number };
+    let top: Vec<NumberedVector> = records.iter().map(point).collect();
     pair::compare(&Ends { bottom: top.clone(), top }, &mut longest);
     Some(longest)
 }

@@ -21,7 +21,7 @@ pub fn square(p: &Vector, q: &Vector) -> f64 {
 
 /// A vector with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
+pub(super) struct NumberedVector {
     pub(super) at: Vector,
     pub(super) number: usize,
 }
@@ -52,7 +52,7 @@ impl Longest {
 
     /// Takes the pair where it is longer, or as long with smaller numbers. True where longer.
     #[inline]
-    pub(super) fn offer(&mut self, p: &Point, q: &Point) -> bool {
+    pub(super) fn offer(&mut self, p: &NumberedVector, q: &NumberedVector) -> bool {
         let square_um2 = square(&p.at, &q.at);
         if square_um2 < self.square_um2 {
             return false;
@@ -163,8 +163,8 @@ const COMPARED: usize = 1024;
 
 /// Candidates for the two ends of a difference whose direction lies in a cell.
 pub(super) struct Ends {
-    pub(super) top: Vec<Point>,
-    pub(super) bottom: Vec<Point>,
+    pub(super) top: Vec<NumberedVector>,
+    pub(super) bottom: Vec<NumberedVector>,
 }
 
 /// Where lengths along a direction are counted from, and what they may be wrong by.
@@ -178,12 +178,12 @@ pub(super) struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn along(&self, d: &Vector, point: &Point) -> f64 {
+    fn along(&self, d: &Vector, point: &NumberedVector) -> f64 {
         dot(d, &minus(&point.at, &self.middle))
     }
 
     /// The point furthest along `d`, and how far. The list is not empty.
-    fn furthest(&self, points: &[Point], d: &Vector) -> (f64, Point) {
+    fn furthest(&self, points: &[NumberedVector], d: &Vector) -> (f64, NumberedVector) {
         let mut best = (self.along(d, &points[0]), points[0]);
         for point in &points[1..] {
             let along = self.along(d, point);
@@ -194,15 +194,15 @@ impl Frame {
         best
     }
 
-    fn kept(&self, points: &[Point], d: &Vector, least: f64) -> Vec<Point> {
-        let near = |point: &&Point| self.along(d, point) >= least;
+    fn kept(&self, points: &[NumberedVector], d: &Vector, least: f64) -> Vec<NumberedVector> {
+        let near = |point: &&NumberedVector| self.along(d, point) >= least;
         points.iter().filter(near).copied().collect()
     }
 }
 
 /// Keeps of equal vectors the one with the smallest number.
-fn without_equals(points: &mut Vec<Point>) {
-    let bits = |point: &Point| point.at.map(|c| (c + 0.0).to_bits());
+fn without_equals(points: &mut Vec<NumberedVector>) {
+    let bits = |point: &NumberedVector| point.at.map(|c| (c + 0.0).to_bits());
     points.sort_unstable_by_key(|point| (bits(point), point.number));
     points.dedup_by_key(|point| bits(point));
 }

@@ -10,7 +10,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, acting, between, each, quantile, randoms};
+use super::{CONFIDENCE, JointTable, TableCurve, acting, between, each, quantile, randoms};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::machine::separation::Separation;
 use crate::machine::separation::corrections::AngleEvidence;
@@ -30,10 +30,10 @@ const BIASES: usize = 100;
 const FIRST: usize = 10_000;
 
 /// What was measured of an error moving so at a place, µm.
-pub(crate) type Measured<'a> = &'a dyn Fn(ErrorTerm, Direction, Millimetres) -> f64;
+pub(crate) type Values<'a> = &'a dyn Fn(ErrorTerm, Direction, Millimetres) -> f64;
 
 /// What a measurement after loading found; what was known of it; 1 where the next one has readings of its own, else 0.
-pub(crate) type Found<'a> = (Measured<'a>, &'a Separation, f64);
+pub(crate) type AfterLoading<'a> = (Values<'a>, &'a Separation, f64);
 
 /// What the largest of all errors is at most in half of the visits, µm; the share of visits in which it is no
 /// more than the limit.
@@ -45,11 +45,11 @@ impl Separation {
     pub(crate) fn outlook(
         &self,
         job: &Job,
-        found: Option<Found<'_>>,
+        found: Option<AfterLoading<'_>>,
         limit_um: f64,
     ) -> Option<Outlook> {
         let [table, former] =
-            [self, found.map_or(self, |found| found.1)].map(|of| Table::new(of, job));
+            [self, found.map_or(self, |found| found.1)].map(|of| JointTable::new(of, job));
         let is_known = table.is_known() && former.is_known();
         is_known.then(|| table.outlook(job, found, &former, limit_um))
     }
@@ -69,14 +69,14 @@ impl Separation {
         &self,
         job: &Job,
         term: ErrorTerm,
-        errors: Option<Measured<'_>>,
+        errors: Option<Values<'_>>,
     ) -> Vec<(Part, f64)> {
-        self.model.parts(&Table::new(self, job).worst(term, errors))
+        self.model.parts(&JointTable::new(self, job).worst(term, errors))
     }
 
     /// The share of the noise in the variance of the error of a term that is least certain.
     pub(crate) fn share_of_noise(&self, job: &Job, term: ErrorTerm) -> f64 {
-        let variance = self.model.variance(&Table::new(self, job).worst(term, None));
+        let variance = self.model.variance(&JointTable::new(self, job).worst(term, None));
         variance.noise / variance.all
     }
 
@@ -90,9 +90,9 @@ impl Separation {
     }
 }
 
-impl Table<'_> {
+impl JointTable<'_> {
     /// What the value of a term hangs on that is least certain; of values, that is at most most.
-    fn worst(&self, term: ErrorTerm, errors: Option<Measured<'_>>) -> Row {
+    fn worst(&self, term: ErrorTerm, errors: Option<Values<'_>>) -> Row {
         let values = self.values(errors);
         let of_curve = |(index, _): (usize, &TableCurve)| {
             let rows = &self.rows.rows[index];
@@ -114,7 +114,7 @@ impl Table<'_> {
     }
 
     /// What was found of each, µm; 0 where nothing was.
-    fn values(&self, errors: Option<Measured<'_>>) -> Vec<f64> {
+    fn values(&self, errors: Option<Values<'_>>) -> Vec<f64> {
         let each = self.curves.iter().flat_map(|curve| {
             let way = curve.way.unwrap_or(Direction::Plus);
             let places = self.of.volume.positions(curve.term.along).into_iter();
@@ -124,7 +124,7 @@ impl Table<'_> {
     }
 
     /// Values of another table for each of these curves; 0 of what it does not hold.
-    fn carried(&self, other: &Table<'_>, values: &[f64]) -> Vec<f64> {
+    fn carried(&self, other: &JointTable<'_>, values: &[f64]) -> Vec<f64> {
         let of = |curve: &TableCurve| {
             let is_way = |own: &TableCurve| own.way.is_none_or(|_| own.way == curve.way);
             let is_same = |own: &TableCurve| own.term == curve.term && is_way(own);
@@ -160,8 +160,8 @@ impl Table<'_> {
     fn outlook(
         &self,
         job: &Job,
-        found: Option<Found<'_>>,
-        former: &Table<'_>,
+        found: Option<AfterLoading<'_>>,
+        former: &JointTable<'_>,
         limit_um: f64,
     ) -> Outlook {
         let freedom = self.freedom();

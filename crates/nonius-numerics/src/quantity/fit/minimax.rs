@@ -59,8 +59,8 @@ pub(super) fn values(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
 fn best(curve: &ErrorCurve, places: &[f64]) -> Vec<f64> {
     let sampled: Vec<f64> = places.iter().map(|&place| curve.um_at(place)).collect();
     let ends = places.windows(2).map(|pair| [pair[0], pair[1]]);
-    let mut sections: Vec<Section> =
-        ends.map(|ends_mm| Section { curve, ends_mm, hulls: Default::default() }).collect();
+    let mut sections: Vec<Stretch> =
+        ends.map(|ends_mm| Stretch { curve, ends_mm, hulls: Default::default() }).collect();
     let (by_sampling, _) = exchange(&mut sections, &sampled, f64::NEG_INFINITY);
     let (mut best, mut least) = (Vec::new(), f64::INFINITY);
     let mut tolerance = 0.0;
@@ -82,7 +82,7 @@ fn best(curve: &ErrorCurve, places: &[f64]) -> Vec<f64> {
 
 /// The exact largest residual of the values. Places above the line by more than `limit` become
 /// demands, those below it demands on the mirror image; whether they said anything new.
-fn exchange(sections: &mut [Section], values: &[f64], limit: f64) -> (f64, bool) {
+fn exchange(sections: &mut [Stretch], values: &[f64], limit: f64) -> (f64, bool) {
     let (mut largest, mut added) = (0.0_f64, false);
     for (section, ends) in sections.iter_mut().zip(values.windows(2)) {
         let mut beyond = [Vec::new(), Vec::new()];
@@ -90,10 +90,10 @@ fn exchange(sections: &mut [Section], values: &[f64], limit: f64) -> (f64, bool)
             let above = um - (parts[0] * ends[0] + parts[1] * ends[1]);
             largest = largest.max(above.abs());
             if above > limit {
-                beyond[0].push(Point { parts, um });
+                beyond[0].push(PlaceOnCurve { parts, um });
             }
             if -above > limit {
-                beyond[1].push(Point { parts, um: -um });
+                beyond[1].push(PlaceOnCurve { parts, um: -um });
             }
         });
         for (hull, places) in section.hulls.iter_mut().zip(beyond) {
@@ -105,7 +105,7 @@ fn exchange(sections: &mut [Section], values: &[f64], limit: f64) -> (f64, bool)
 
 /// The least t not below `from` that meets all demands so far, and the bounds of the nodes under
 /// it, by Newton's method: finite, about five steps are usual.
-fn smallest_tolerance(sections: &[Section], from: f64) -> (f64, Vec<Bounds>) {
+fn smallest_tolerance(sections: &[Stretch], from: f64) -> (f64, Vec<Bounds>) {
     let mut tolerance = from;
     // Where rounding alone keeps an interval empty, the steps are noise; they then double.
     let mut nudge = 4.0 * f64::EPSILON;
@@ -123,7 +123,7 @@ fn smallest_tolerance(sections: &[Section], from: f64) -> (f64, Vec<Bounds>) {
 
 /// The bounds of every node, from inside out, between which the section behind it can be crossed
 /// under `t`; or by how much t must grow at least.
-fn propagate(sections: &[Section], t: f64) -> Result<Vec<Bounds>, f64> {
+fn propagate(sections: &[Stretch], t: f64) -> Result<Vec<Bounds>, f64> {
     let mut reached = Vec::with_capacity(sections.len() + 1);
     reached.push(exactly(0.0));
     for (node, section) in sections.iter().enumerate() {
@@ -134,7 +134,7 @@ fn propagate(sections: &[Section], t: f64) -> Result<Vec<Bounds>, f64> {
 }
 
 /// Values that meet all demands, as near to the sampled ones as possible from outside in.
-fn choice(sections: &[Section], reached: &[Bounds], t: f64, sampled: &[f64]) -> Vec<f64> {
+fn choice(sections: &[Stretch], reached: &[Bounds], t: f64, sampled: &[f64]) -> Vec<f64> {
     let mut values = vec![0.0; sampled.len()];
     let mut allowed = reached[sections.len()];
     for (node, section) in sections.iter().enumerate().rev() {
@@ -174,22 +174,22 @@ fn exactly(um: f64) -> Bounds {
 /// A place of a section: its parts of the inner and the outer node's value in the line there
 /// (1 − u and u), and the curve's value in µm.
 #[derive(Clone, Copy, PartialEq)]
-struct Point {
+struct PlaceOnCurve {
     parts: [f64; 2],
     um: f64,
 }
 
 /// From one node to the next one outwards, with the places that bind.
-struct Section<'a> {
+struct Stretch<'a> {
     curve: &'a ErrorCurve,
     /// The inner and the outer node.
     ends_mm: [f64; 2],
     /// Upper hulls of the curve and of its mirror image: the line stays above them less t.
-    hulls: [Vec<Point>; 2],
+    hulls: [Vec<PlaceOnCurve>; 2],
 }
 
-impl Section<'_> {
-    /// Every place where the curve can be farthest from a line of this rise, as in [`Point`].
+impl Stretch<'_> {
+    /// Every place where the curve can be farthest from a line of this rise, as in [`PlaceOnCurve`].
     fn visit(&self, rise: f64, mut visit: impl FnMut([f64; 2], f64)) {
         let [inner, outer] = self.ends_mm;
         let (from, to, width) = (inner.min(outer), inner.max(outer), outer - inner);
@@ -206,8 +206,8 @@ impl Section<'_> {
     /// through (u_i, d_i − t) and (u_j, d_j + t), followed back to u = 0: v if j is the outer one
     /// of them, else −v.
     fn passable(&self, t: f64, mut inner: Bounds) -> Result<Bounds, f64> {
-        for Point { parts: [_, i], um: above } in &self.hulls[0] {
-            for Point { parts: [_, j], um: below } in &self.hulls[1] {
+        for PlaceOnCurve { parts: [_, i], um: above } in &self.hulls[0] {
+            for PlaceOnCurve { parts: [_, j], um: below } in &self.hulls[1] {
                 let gap = (j - i).abs();
                 if gap >= SAME_PART {
                     let um = (j * (above - t) + i * (below - t)) / gap;
@@ -227,7 +227,7 @@ impl Section<'_> {
     fn across(&self, t: f64, end: usize, other: Bounds, mut bounds: Bounds) -> Bounds {
         for (side, hull) in self.hulls.iter().enumerate() {
             let opposite = other[1 - side];
-            for Point { parts, um } in hull {
+            for PlaceOnCurve { parts, um } in hull {
                 let (part, rest) = (parts[end], parts[1 - end]);
                 if part > SAME_PART {
                     let um = (um - t + rest * opposite.um) / part;
@@ -240,13 +240,14 @@ impl Section<'_> {
 }
 
 /// Adds places to an upper hull, unless they are there; false if they say nothing new.
-fn widen(hull: &mut Vec<Point>, mut places: Vec<Point>) -> bool {
-    let same = |one: &Point, two: &Point| (one.parts[1] - two.parts[1]).abs() < SAME_PART;
+fn widen(hull: &mut Vec<PlaceOnCurve>, mut places: Vec<PlaceOnCurve>) -> bool {
+    let same =
+        |one: &PlaceOnCurve, two: &PlaceOnCurve| (one.parts[1] - two.parts[1]).abs() < SAME_PART;
     places.dedup_by(|next, kept| same(next, kept));
     places.retain(|place| !hull.iter().any(|known| same(known, place)));
     places.extend_from_slice(hull);
     places.sort_by(|one, two| one.parts[1].total_cmp(&two.parts[1]));
-    let mut wider: Vec<Point> = Vec::with_capacity(places.len());
+    let mut wider: Vec<PlaceOnCurve> = Vec::with_capacity(places.len());
     for place in places {
         while let [.., one, two] = wider[..]
             && inside(one, two, place)
@@ -261,7 +262,7 @@ fn widen(hull: &mut Vec<Point>, mut places: Vec<Point>) -> bool {
 }
 
 /// Whether `middle` lies on or below the line from `one` to `two`.
-fn inside(one: Point, middle: Point, two: Point) -> bool {
+fn inside(one: PlaceOnCurve, middle: PlaceOnCurve, two: PlaceOnCurve) -> bool {
     let [first, second] = [middle, two].map(|point| point.parts[1] - one.parts[1]);
     (middle.um - one.um) * second <= (two.um - one.um) * first
 }
