@@ -138,35 +138,24 @@ impl Design<'_> {
             let is_quicker = |minutes: f64| best.as_ref().is_none_or(|best| minutes < best.minutes);
             if is_quicker(least) {
                 let visit = self.in_fewest_runs(variant, &is_reached);
-                let quicker =
-                    visit.filter(|(visit, reached)| *reached && is_quicker(visit.minutes));
-                *best = quicker.map(|(visit, _)| visit).or(best.take());
+                *best = visit.filter(|visit| is_quicker(visit.minutes)).or(best.take());
             }
         }
         let [own_grid, other_grid] = best;
         own_grid.or(other_grid)
     }
 
-    /// With the fewest runs that reach something, else with the most, and whether they do; what some do not, no fewer do.
+    /// With the fewest runs that reach something; what some do not, no fewer do.
     fn in_fewest_runs(
         &self,
         variant: &Variant,
         is_reached: impl Fn(&Visit) -> bool,
-    ) -> Option<(Visit, bool)> {
-        let in_runs = |runs| self.visit(variant.in_runs(runs)).ok();
-        let mut fewest = in_runs(MOST_RUNS)?;
-        if !is_reached(&fewest) {
-            return Some((fewest, false));
-        }
-        let mut least = self.fewest_runs();
-        while least < fewest.variant.run.runs {
-            let runs = least.midpoint(fewest.variant.run.runs);
-            match in_runs(runs).filter(&is_reached) {
-                Some(visit) => fewest = visit,
-                None => least = runs + 1,
-            }
-        }
-        Some((fewest, true))
+    ) -> Option<Visit> {
+        let reached = |runs| self.visit(variant.in_runs(runs)).ok().filter(&is_reached);
+        let most = reached(MOST_RUNS)?;
+        let fewer: Vec<u32> = (self.fewest_runs()..MOST_RUNS).collect();
+        let fewest = fewer.partition_point(|runs| reached(*runs).is_none());
+        Some(fewer.get(fewest).and_then(|runs| reached(*runs)).unwrap_or(most))
     }
 
     /// What the figures rest on: what is known of the laser, what U leaves out, then the visit.

@@ -66,7 +66,9 @@ impl Acting {
                 let own = self.by_cause[*cause].get(index).copied().unwrap_or(0.0);
                 add(&mut times, own, acts);
             }
-            values.iter_mut().zip(shape).for_each(|(value, shape)| add(value, *shape, &times));
+            if times.iter().any(|times| times.abs() > 0.0) {
+                values.iter_mut().zip(shape).for_each(|(value, shape)| add(value, *shape, &times));
+            }
         }
     }
 }
@@ -112,20 +114,18 @@ impl<'a> Curves<'a> {
         self.acting().iter().zip(places).for_each(|(acting, own)| acting.add(causes, own));
     }
 
-    /// One draw by each generator, without angles, the noise so many times as large as estimated; a cause that is left out, and how
-    /// many times it acts.
+    /// One draw by each generator, without angles and a cause that is left out, the noise so many times as large as estimated.
     pub fn drawn(
         &self,
         noise: Lanes,
         random: &mut [ChaCha8Rng; LANES],
         without: Option<usize>,
-    ) -> (Vec<Lanes>, Lanes) {
+    ) -> Vec<Lanes> {
         let (z, mut shares) = self.model.draw(noise, random);
-        let kept =
-            without.map_or([0.0; LANES], |at| std::mem::replace(&mut shares[at].1, [0.0; LANES]));
+        without.into_iter().for_each(|at| shares[at].1 = [0.0; LANES]);
         let mut drawn = self.moved_by(&z);
         self.add(&shares, &mut drawn);
-        (drawn, kept)
+        drawn
     }
 
     /// max of |value + what causes make that act so many times| + times · u of each curve.
@@ -181,17 +181,6 @@ pub fn largest(values: &[Lanes], beside: &[f64], times: Lanes, u: &[f64]) -> Lan
         most = larger(most, &own);
     }
     most
-}
-
-/// The root of the mean square of each value.
-pub fn root_mean_squares(drawn: &[Vec<Lanes>]) -> Vec<f64> {
-    let mut squares = vec![0.0; drawn.first().map_or(0, Vec::len)];
-    for values in drawn {
-        let each = squares.iter_mut().zip(values);
-        each.for_each(|(sum, um)| *sum += um.iter().map(|um| um * um).sum::<f64>());
-    }
-    let draws = (drawn.len() * LANES) as f64;
-    squares.into_iter().map(|sum: f64| (sum / draws).sqrt()).collect()
 }
 
 /// The sum of curves, each so many times, from its low end on or from its high one.
@@ -279,11 +268,13 @@ mod tests {
         let drawn = |number: u64| {
             let mut random =
                 [0, 1, 2, 3].map(|lane: u64| ChaCha8Rng::seed_from_u64(4 * number + lane));
-            curves.drawn([1.0; LANES], &mut random, None).0
+            curves.drawn([1.0; LANES], &mut random, None)
         };
-        let u = root_mean_squares(&(0..2000).map(drawn).collect::<Vec<_>>());
+        let draws: Vec<Vec<Lanes>> = (0..2000).map(drawn).collect();
         let variances = curves.rows.iter().flat_map(|rows| rows.variances(&model));
-        for (u, Variance { all, .. }) in u.iter().zip(variances) {
+        for (at, Variance { all, .. }) in variances.enumerate() {
+            let squares = draws.iter().flat_map(|values| values[at]).map(|um| um * um);
+            let u = (squares.sum::<f64>() / 8000.0).sqrt();
             assert!((u - all.sqrt()).abs() <= 0.05 * all.sqrt(), "{u} {}", all.sqrt());
         }
     }

@@ -155,9 +155,11 @@ pub(super) fn listed(made: &BareKit<'_>, shown: &[ProofFigures]) -> ListText {
 }
 
 impl ProofFigures {
-    /// Where the bump begins, is highest and ends, mm.
-    fn places(&self) -> [String; 3] {
-        [self.from_mm, self.peak_mm, self.to_mm].map(|place| trimmed(place.mm(), 6))
+    /// Where the bump begins, is highest and ends, and the unit of the control that this is in.
+    fn places(&self, made: &BareKit<'_>) -> ([String; 3], &'static str) {
+        let unit = made.inputs.job.compensation.control_unit;
+        let text = |place: Millimetres| trimmed(place.mm() / unit.in_mm(), 6);
+        ([self.from_mm, self.peak_mm, self.to_mm].map(text), unit.word())
     }
 
     /// What is proved, and by which files.
@@ -167,36 +169,36 @@ impl ProofFigures {
     }
 
     fn bump(&self, made: &BareKit<'_>) -> String {
-        let (term, [from, peak, to]) = (self.term, self.places());
+        let (term, ([from, peak, to], unit)) = (self.term, self.places(made));
         let (heading, along) = (self.heading(), made.axes(term.along));
         match self.proof.bump.is_slope {
             true => format!(
-                "{heading}: {term} is a straight line, zero at {along} = {from} mm and full at {peak} mm; everything else is zero"
+                "{heading}: {term} is a straight line, zero at {along} = {from} {unit} and full at {peak} {unit}; everything else is zero"
             ),
             false => format!(
-                "{heading}: the table of {term} holds one bump, zero up to {along} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel"
+                "{heading}: the table of {term} holds one bump, zero up to {along} = {from} {unit}, full at {peak} {unit}, zero from {to} {unit} on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel"
             ),
         }
     }
 
     fn two_places(&self, made: &BareKit<'_>) -> String {
-        let (term, [from, peak, _]) = (self.term, self.places());
+        let (term, ([from, peak, _], unit)) = (self.term, self.places(made));
         let (moving, seen) = (made.axes(term.along), made.axes(term.of));
         format!(
-            "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
+            "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} {unit} and at {peak} {unit}, moving the same way to both, from {from} towards {peak} {unit}; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
             self.heading(),
             term.of
         )
     }
 
     fn expected(&self, made: &BareKit<'_>) -> String {
-        let [from, peak, to] = self.places();
+        let ([from, peak, to], unit) = self.places(made);
         let behind = match self.proof.bump.is_slope {
             true => String::new(),
-            false => format!(" With {to} mm in place of {peak} mm: 0"),
+            false => format!(" With {to} {unit} in place of {peak} {unit}: 0"),
         };
         format!(
-            "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
+            "**(reading at {peak} {unit} − reading at {from} {unit}) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
             signed(self.shows_um),
             self.as_known(made),
             signed(-self.shows_um),
@@ -205,10 +207,10 @@ impl ProofFigures {
 
     /// A gauge that is not moved needs one place where nothing is found anew between off and on.
     fn with_a_gauge(&self, made: &BareKit<'_>) -> String {
-        let (of, [from, peak, _]) = (self.term.of, self.places());
+        let (of, ([from, peak, _], unit)) = (self.term.of, self.places(made));
         match made.inputs.profile.family.restarts {
         false => format!(
-            "a dial gauge that stays where it is needs {peak} mm only: zero with the compensation off, read with it on, coming from {from} mm both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
+            "a dial gauge that stays where it is needs {peak} {unit} only: zero with the compensation off, read with it on, coming from {from} {unit} both times: {}, or {} if the sign is the other way round. Nothing else may have been moved or have warmed up",
             towards(self.shows_um, of),
             towards(-self.shows_um, of),
         ),

@@ -2,7 +2,7 @@
 //! come to: computed as `plan` computes it, for the noise that was found.
 
 use super::design::Design;
-use super::variant::{DIGITS, Share, Variant, Visit, listed, value_um};
+use super::variant::{DIGITS, Share, Visit, listed, value_um};
 use super::{MOST_RUNS, together};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
@@ -122,23 +122,28 @@ impl OpenFigures<'_> {
         let all = together(&described.variant, &additions);
         let act = |visit: &Visit, remade: bool| self.act(&described, visit, missed, remade);
         let decides = |visit: &Visit, remade: bool| act(visit, remade).is_some_and(|a| a.passes());
-        let cheapest = |of: &[Variant], remade: bool| {
-            let found = design.cheapest(of, |visit| decides(visit, remade))?;
+        let cheapest = |remade: bool| {
+            let found = design.cheapest(&all, |visit| decides(visit, remade))?;
             act(&found, remade)
         };
+        let everything = || all.last().and_then(|all| design.visit(all.in_runs(MOST_RUNS)).ok());
         let mut acts = Vec::new();
         if missed.verdict == Verdict::Undecided {
-            let runs = design.in_fewest_runs(&described.variant, |visit| decides(visit, false));
-            let added = additions.iter().cloned().filter_map(|one| design.visit(one).ok());
-            let visits = added.chain(runs.map(|(visit, _)| visit));
+            let visit = |variant| design.visit(variant).ok();
+            let (own, most) = (&described.variant, described.variant.in_runs(MOST_RUNS));
+            let runs = design.in_fewest_runs(own, |visit| decides(visit, false));
+            let added = additions.iter().cloned().filter_map(visit);
+            let visits = added.chain(runs.or_else(|| visit(most)));
             acts.extend(visits.filter_map(|visit| act(&visit, false)));
-            if !acts.iter().any(Act::passes) {
-                acts.extend(cheapest(&all[1..], false)); // more runs alone were tried
+            // What all of it together does not decide, no part of it does.
+            if !acts.iter().any(Act::passes) && everything().is_none_or(|all| decides(&all, false))
+            {
+                acts.extend(cheapest(false));
             }
         }
         acts.extend(act(&described, true));
         if self.expected.is_some() && !acts.iter().any(Act::passes) {
-            acts.extend(cheapest(&all, true));
+            acts.extend(cheapest(true));
         }
         Some((described.most(parts), acts))
     }

@@ -26,8 +26,8 @@ use crate::quantity::{
 use crate::text::joined;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
-use nonius_numerics::draws::{self, Curves, LANES, Lanes, alike, root_mean_squares, sum};
-use nonius_numerics::rows::Row;
+use nonius_numerics::draws::{self, Curves, LANES, Lanes, alike, sum};
+use nonius_numerics::rows::{Row, Variance};
 use nonius_numerics::threads;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
 use std::array::from_fn;
@@ -65,8 +65,6 @@ type Acting = Vec<(usize, Lanes)>;
 struct Draws {
     /// The values of all curves, without angles.
     values: Vec<Vec<Lanes>>,
-    /// Standard deviation of each, without the laser that another measurement repeats.
-    u: Vec<f64>,
     /// Of what another measurement repeats: angles, one after the other, then the laser.
     repeated: Vec<Acting>,
 }
@@ -91,7 +89,8 @@ impl<'a> JointTable<'a> {
     pub(super) fn remarks(&self, job: &Job, said: Remarks) -> Remarks {
         let said = Remarks { doubtful: self.doubtful(), ..said };
         let Some(drawn) = self.drawn() else { return said };
-        let mut with_laser = drawn.u.clone();
+        let u: Vec<f64> = self.variances(|of| of.all).into_iter().map(f64::sqrt).collect();
+        let mut with_laser = u.clone();
         if let Some(at) = self.laser {
             let laser = self.rows.made_by(&[(at, [1.0; LANES])]);
             with_laser.iter_mut().zip(&laser).for_each(|(u, [um, ..])| *u = u.hypot(*um));
@@ -104,9 +103,9 @@ impl<'a> JointTable<'a> {
         let instrument = job.measurement.instrument.clone().filter(|_| self.laser.is_some());
         Remarks {
             largest: Some(self.largest(job, &drawn, true)),
-            measured: Some(self.measured(job, &drawn)),
+            measured: Some(self.measured(job, &drawn, &u)),
             anew: (!self.of.model.angles.is_empty()).then(|| sizes_of(&with_laser)),
-            same_laser: instrument.map(|instrument| (instrument, sizes_of(&drawn.u))),
+            same_laser: instrument.map(|instrument| (instrument, sizes_of(&u))),
             ..said
         }
     }
@@ -116,18 +115,18 @@ impl<'a> JointTable<'a> {
         let anew = |first| {
             let mut random = randoms(first);
             let noise = random.each_mut().map(|random| self.estimate(random));
-            self.rows.drawn(noise, &mut random, self.laser)
+            self.rows.drawn(noise, &mut random, None)
         };
-        self.is_known().then(|| {
-            let (mut values, lasers): (Vec<Vec<Lanes>>, Vec<Lanes>) =
-                each(DRAWS, anew).into_iter().unzip();
-            let u = root_mean_squares(&values);
-            if let Some(at) = self.laser {
-                let each = values.iter_mut().zip(&lasers);
-                each.for_each(|(anew, times)| self.rows.add(&[(at, *times)], anew));
-            }
-            Draws { values, u, repeated: each(DRAWS, |first| self.repeated(first)) }
-        })
+        let repeated = || each(DRAWS, |first| self.repeated(first));
+        self.is_known().then(|| Draws { values: each(DRAWS, anew), repeated: repeated() })
+    }
+
+    /// Something of u² of each value, without angles and what the laser repeats.
+    fn variances(&self, of: impl Fn(Variance) -> f64) -> Vec<f64> {
+        let mut model = self.of.model.clone();
+        model.angles.clear();
+        self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
+        self.rows.rows.iter().flat_map(|rows| rows.variances(&model)).map(of).collect()
     }
 
     /// How far the largest may lie off in a forecast.
@@ -136,14 +135,15 @@ impl<'a> JointTable<'a> {
         self.quantiles(job, drawn, |at, acting| {
             let values = &drawn.values[at];
             let angles = acting.len() - usize::from(self.laser.is_some());
-            let left = self.terms(values, &acting[..angles], [0.0; LANES], &drawn.u);
+            let left = self.terms(values, &acting[..angles], [0.0; LANES], &self.um);
             let ranges = if diagonals { self.ranges(values) } else { nothing };
             sizes(&left, &ranges)
         })
     }
 
-    /// How far it may lie beyond the largest that was measured.
-    fn measured(&self, job: &Job, drawn: &Draws) -> LargestErrors {
+    /// How far it may lie beyond the largest that was measured; `u`: of each value, without what another measurement
+    /// repeats, by the noise as estimated.
+    fn measured(&self, job: &Job, drawn: &Draws, u: &[f64]) -> LargestErrors {
         let at_most = self.ranges_at_most();
         let at_most = PerDiagonal::from_fn(|d| [at_most[d]; LANES]);
         let times = |first: usize| {
@@ -160,7 +160,7 @@ impl<'a> JointTable<'a> {
         };
         let measured = alike(&self.um);
         let found = self.quantiles(job, drawn, |at, acting| {
-            sizes(&self.terms(&measured, acting, times[at], &drawn.u), &at_most)
+            sizes(&self.terms(&measured, acting, times[at], u), &at_most)
         });
         found.joined(&quantiles(zero(job), &[self.sizes(&measured)]), |a, b| a - b)
     }

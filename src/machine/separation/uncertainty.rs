@@ -78,16 +78,15 @@ fn common_um_per_m(stated: StatedUncertainty, material: Option<Material>) -> Vec
     all.into_iter().filter(acts).collect()
 }
 
-/// Standard uncertainty of a length along an axis by this laser in one set-up, without the noise of
-/// the readings, 10⁻⁶.
+/// Standard uncertainty of a length along an axis by this laser, without the noise of the readings and without the change of
+/// scale of a set-up, which counts for each line in the model, 10⁻⁶.
 pub(super) fn of_length_ppm(
     stated: StatedUncertainty,
     material: Option<Material>,
     axis: Axis,
 ) -> f64 {
     let common = common_um_per_m(stated, material).into_iter();
-    let own = stated.setup_ppm.unwrap_or(0.0).hypot(stated.beam_ppm());
-    common.fold(own, |all, strain| all.hypot(strain[axis]))
+    common.fold(stated.beam_ppm(), |all, strain| all.hypot(strain[axis]))
 }
 
 /// Adds what unmeasured angles with a stated bound do: one standard uncertainty of each part. Which of the causes act,

@@ -18,7 +18,7 @@ use crate::machine::separation::curves::mean;
 use crate::machine::separation::readings::{float, student};
 use crate::quantity::{Diagonal, Direction, ErrorTerm, Millimetres, Pass, larger};
 use nonius_numerics::draws::{LANES, Lanes, largest};
-use nonius_numerics::rows::{Cause, Part, Row, Variance};
+use nonius_numerics::rows::{Cause, Part, Row};
 use rand_distr::{ChiSquared, Distribution};
 use std::array::from_fn;
 
@@ -103,14 +103,6 @@ impl JointTable<'_> {
         let own = self.curves.iter().enumerate().filter(|(_, curve)| curve.term == term);
         let worst = own.flat_map(of_curve).max_by(|a, b| a.2.total_cmp(&b.2));
         worst.map_or_else(Row::default, |(rows, place, _)| rows.at(float(place)))
-    }
-
-    /// Something of u² of each value, without angles and what the laser repeats.
-    fn variances(&self, of: impl Fn(Variance) -> f64) -> Vec<f64> {
-        let mut model = self.of.model.clone();
-        model.angles.clear();
-        self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
-        self.rows.rows.iter().flat_map(|rows| rows.variances(&model)).map(of).collect()
     }
 
     /// What was found of each, µm; 0 where nothing was.
@@ -210,10 +202,10 @@ impl JointTable<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |first: usize| {
             let mut random = randoms(FIRST + first);
-            let before = former.rows.drawn([1.0; LANES], &mut random, former.laser).0;
+            let before = former.rows.drawn([1.0; LANES], &mut random, former.laser);
             let angles = acting(&measured, &former.repeated(first));
             let angles = former.rows.made_by(&angles[..measured.len()]);
-            let new = self.rows.drawn([1.0; LANES], &mut random, self.laser).0;
+            let new = self.rows.drawn([1.0; LANES], &mut random, self.laser);
             from_fn::<f64, LANES, _>(|lane| {
                 let of_lane =
                     |values: &[Lanes]| values.iter().map(|of| of[lane]).collect::<Vec<f64>>();
