@@ -384,3 +384,22 @@ impl Instrument {
         ends.hypot(of_length_ppm(self.stated, material, axis))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Millimetres;
+
+    /// The scale of a set-up counts for each line by itself (docs/method.md §7).
+    #[test]
+    fn the_slope_of_a_line_is_as_certain_as_noise_laser_and_beam_are() {
+        let size = PerAxis::from_fn(|_| Millimetres::new(400.0));
+        let volume = Volume { start: size, size, steps: 4, order: Axis::ALL };
+        let stated = StatedUncertainty { setup_ppm: Some(2.3), ..StatedUncertainty::default() };
+        let instrument = Instrument { noise_um: 0.3, stated };
+        let found = instrument.of_slope_um_per_m((&volume, None), Axis::X, 5);
+        // Of both directions, as σ √(2/(2·5)) / 0.4 m: 0.335; of the laser and of the beam 0.5 each.
+        let expected = (0.335_f64.powi(2) + 0.25 + 0.25).sqrt();
+        assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+    }
+}

@@ -234,7 +234,10 @@ pub(crate) fn corrected(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::answer;
     use crate::inputs::job::UseOf;
+    use crate::quantity::ErrorTerm;
+    use crate::visit::files::Memory;
 
     #[test]
     fn a_second_measurement_before_the_first_is_a_doubt() {
@@ -248,5 +251,28 @@ mod tests {
         let is_earlier = |second: &str| earlier(&job("2026-11-20"), &job(second)).is_some();
         assert!(is_earlier("2026-11-19") && is_earlier("2025-12-01"));
         assert!(!is_earlier("2026-11-20") && !is_earlier("19.11.2026") && !is_earlier("today"));
+    }
+
+    /// Over the largest value lies g u, Student's factor once where σ was estimated (docs/method.md §23).
+    #[test]
+    fn what_errors_as_left_are_at_most_has_students_factor_once() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/start/readings/");
+        let text = |name: &str| {
+            let text = std::fs::read_to_string(format!("{folder}{name}")).unwrap();
+            (name.to_string(), text.replace("angle_urad = 10.0", "angle_urad = 0"))
+        };
+        let all = ["job.toml", "readings.csv", "after.toml", "after.csv"].map(text);
+        let files = Memory::of(all.each_ref().map(|(name, text)| (&**name, text.as_bytes())));
+        let answered = |command: &str| answer(&files, command.split(' '));
+        assert_eq!(answered("generate job.toml -o kit").status, 0);
+        let judged = answered("verify job.toml --tables kit --after after.toml --format json");
+        let page: serde_json::Value = serde_json::from_slice(&judged.out).unwrap();
+        let times = ErrorTerm::ALL.map(|term| {
+            let of = |key: &str| page["terms"][term.to_string()][key].as_f64().unwrap();
+            (of("at_most_um") - of("after_um")) / of("u_um")
+        });
+        // The 95 % quantile of Student's distribution for 9 degrees of freedom is 1.833.
+        let most = times.into_iter().fold(0.0, f64::max);
+        assert!((most - 1.833).abs() < 0.005, "{times:?}");
     }
 }
