@@ -11,7 +11,7 @@ import { SecondStep } from "./second";
 import { step, steps, type Step } from "./steps";
 import { keeps } from "./storage";
 import { Verdict } from "./ui";
-import { begun, isCurrent, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
+import { begun, files, isFilled, job, jobText, kitState, made, measured, notice, second, working } from "./visit";
 import { unpacked } from "./unpacked";
 import { language, languages, t } from "./words";
 
@@ -30,11 +30,12 @@ function state(of: Step): string {
       return waiting ? String(waiting) : !begun.value ? "" : isFaulty ? "!" : "✓";
     }
     case "measurement":
+      if (measured.value.some((name) => !files.value.has(name))) return "!";
       return !begun.value || !measured.value.some(isFilled) ? "" : measured.value.some(faults) ? "!" : "✓";
     case "result":
       return made.value?.judged ? mark(made.value.judged.verdict === "pass") : "";
     case "kit":
-      return kit.value.length ? mark(isCurrent.value) : "";
+      return kitState.value === "none" ? "" : mark(kitState.value === "current");
     case "second":
       return second.value ? mark(second.value.judged?.verdict === "pass") : "";
   }

@@ -28,11 +28,11 @@ function begin(files: Files, name: string) {
   step.value = "result";
 }
 
-function take(dropped: Files) {
+async function take(dropped: Files) {
   const jobs = jobsIn(dropped);
   if (jobs.length > 1) several.value = dropped;
   else if (jobs[0]) begin(dropped, jobs[0]);
-  else if (begun.value) withTable(job, dropped);
+  else if (begun.value) await withTable(job, dropped);
   else notice.value = t("begin_first");
 }
 
@@ -44,17 +44,13 @@ function Begin() {
   const [told, setTold] = useState<Problem[]>([]);
   const make = async (event: Event) => {
     event.preventDefault();
-    const each = [travel.x, travel.y, travel.z].map((end) => end.trim().replaceAll("−", "-"));
-    if (each.some((end) => end.includes(","))) {
-      setTold([{ words: t("travel_comma"), places: [], help: "" }]);
-      return;
-    }
-    const ends = each.join(",");
+    const ends = [travel.x, travel.y, travel.z].map((end) => end.trim().replaceAll("−", "-")).join(",");
     const words = ["new", "--controller", control, `--travel=${ends}`, "-o", "visit"];
     if (readings) words.push("--readings");
     if (both) words.push("--both-directions");
     const answer = await run(words);
-    setTold(problems(answer));
+    // Usage can be wrong in the travel only: all else was chosen.
+    setTold(answer.status === 2 && !answer.told.problems?.length ? [{ words: t("travel_wrong"), places: [], help: "" }] : problems(answer));
     if (answer.status !== 0) return;
     several.value = null;
     open(new Map(answer.files), "visit/job.toml");

@@ -3,7 +3,7 @@ import { options } from "preact";
 import { useRef, useState } from "preact/hooks";
 import { at, said, type Problem } from "./problems";
 import { block, cell, cellAt, cells, pasted, table, text, withoutRow, type Table } from "./table";
-import { isPlain, notice, put, textOf } from "./visit";
+import { files, isPlain, notice, put, textOf } from "./visit";
 import { t } from "./words";
 
 const ROW_PX = 34;
@@ -36,7 +36,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
   // What is being typed, as it is typed.
   const [draft, setDraft] = useState<{ cell: string; text: string } | null>(null);
   const frame = useRef<HTMLDivElement>(null);
-  if (!of) return <p>{t("no_grid", { file })}</p>;
+  if (!of) return <p>{t(files.value.has(file) ? "no_grid" : "not_here", { file })}</p>;
   const first = Math.max(0, Math.min(Math.floor(top / ROW_PX) - 4, of.rows.length - IN_VIEW - 8));
   const last = Math.min(of.rows.length, first + IN_VIEW + 8);
   const write = (row: number, column: number, values: string[][]) => put(file, text(pasted(table(textOf(file))!, row, column, values)));
@@ -71,12 +71,13 @@ export function Grid(props: { file: string; problems: Problem[] }) {
       notice.value = unclear ? t("unclear_comma", { example: unclear }) : t("too_wide");
       return;
     }
-    if (comma) notice.value = t("commas", { example: comma, point: comma.replace(",", ".") });
-    const axis = (n: number) => (of.rows[n] === undefined ? "" : cells(of, of.rows[n]!)[0]!.trim());
+    const axis = (n: number) => (of.rows[n] === undefined ? "" : cells(of, of.rows[n]!)[0]!);
     const end = row + values.length - 1;
     const added = end + 1 - of.rows.length;
-    if (added > 0) notice.value = t("rows_added", { count: added });
-    else if (axis(end) !== axis(row)) notice.value = t("crosses", { from: axis(row), to: axis(end) });
+    const told = [comma && t("commas", { example: comma, point: comma.replace(",", ".") })];
+    if (added > 0) told.push(t("rows_added", { count: added }));
+    else if (axis(end) !== axis(row)) told.push(t("crosses", { from: axis(row), to: axis(end) }));
+    notice.value = told.filter(Boolean).join(" ");
     setDraft(null);
     write(row, column, values);
   };
@@ -119,7 +120,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
                     aria-label={`${name}, ${line + 1}`}
                     aria-invalid={fault?.cells.includes(column) ?? false}
                     autocomplete="off"
-                    value={draft?.cell === `${row}:${column}` ? draft.text : own[column]?.trim() ?? ""}
+                    value={draft?.cell === `${row}:${column}` ? draft.text : own[column] ?? ""}
                     onFocus={() => setNow(row)}
                     onBlur={() => setDraft(null)}
                     onInput={(event) => {

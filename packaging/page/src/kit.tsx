@@ -4,7 +4,7 @@ import { valueOf } from "./job";
 import { save, zip } from "./opened";
 import { problems, type Problem } from "./problems";
 import { Card, Framed, Problems } from "./ui";
-import { files, isCurrent, isForeign, jobText, kit, kitFolder, made, makeKit, manifest, report } from "./visit";
+import { files, jobText, kit, kitFolder, kitState, made, makeKit, manifest, report } from "./visit";
 import { language, t } from "./words";
 
 const decoder = new TextDecoder();
@@ -43,7 +43,8 @@ function Content(props: { name: string; bytes: Uint8Array; role: string }) {
 
 export function KitStep() {
   const [told, setTold] = useState<Problem[]>([]);
-  const isMade = kit.value.length > 0;
+  const state = kitState.value;
+  const isMade = state !== "none";
   const make = async () => setTold(problems(await makeKit()));
   // Of the kit that is there, not of one that would be made now.
   const of = manifest.value ?? made.value?.manifest;
@@ -55,22 +56,22 @@ export function KitStep() {
     <>
       <Card wide>
         <p class="head">
-          {!isMade ? t("no_kit") : isForeign.value ? <span class="state">{t("kit_foreign")}</span> : isCurrent.value ? <span class="state good">{t("kit_current")}</span> : <span class="state">{t("kit_old")}</span>}
+          <span class={isMade ? `state ${state}` : ""}>{t(`kit_${state}`)}</span>
         </p>
         <Problems of={told} />
         <div class="buttons">
-          {(!isMade || !isCurrent.value) && (
+          {state !== "current" && (
             <button type="button" class="main" disabled={!made.value?.manifest} onClick={make}>
               {t(isMade ? "make_anew" : "make_kit", { folder: kitFolder.value })}
             </button>
           )}
-          {isMade && !isForeign.value && (
+          {(state === "current" || state === "old") && (
             <button type="button" class="main" onClick={() => save("kit.zip", zip(kit.value), "application/zip")}>
               {t("download_kit")}
             </button>
           )}
         </div>
-        {!made.value?.manifest && <Problems of={made.value?.problems ?? []} />}
+        <Problems of={made.value?.problems ?? []} />
         {assumed.length > 0 && (
           <details>
             <summary>

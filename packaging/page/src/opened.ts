@@ -1,6 +1,7 @@
 // Files that a person drops or chooses, and those that are saved.
 import { unzipSync, zipSync } from "fflate";
 import type { Files } from "./visit";
+import { t } from "./words";
 
 async function bytes(file: File): Promise<Uint8Array> {
   return new Uint8Array(await file.arrayBuffer());
@@ -21,13 +22,22 @@ async function within(entry: FileSystemEntry, into: Map<string, Uint8Array>): Pr
   }
 }
 
+/** What a zip holds; some programs write `\` between its folders. */
+function unzipped(name: string, content: Uint8Array): [string, Uint8Array][] {
+  try {
+    return Object.entries(unzipSync(content)).map(([path, of]) => [path.replaceAll("\\", "/"), of]);
+  } catch {
+    throw new Error(t("broken_zip", { file: name }));
+  }
+}
+
 function unpacked(all: Map<string, Uint8Array>): Files {
   const found = new Map<string, Uint8Array>();
   for (const [name, content] of all) {
     // Two visits have the same names inside.
     const folder = all.size > 1 ? `${name.replace(/\.zip$/i, "")}/` : "";
     const isOwn = (path: string) => !/(^|\/)(__MACOSX\/|\._|\.DS_Store$)|\/$/.test(path);
-    const inside = /\.zip$/i.test(name) ? Object.entries(unzipSync(content)) : [];
+    const inside = /\.zip$/i.test(name) ? unzipped(name, content) : [];
     if (!inside.length && isOwn(name)) found.set(name, content);
     for (const [path, of] of inside.filter(([path]) => isOwn(path))) found.set(folder + path, of);
   }

@@ -2,7 +2,7 @@
 import { Decides, Figures } from "./figures";
 import { step } from "./steps";
 import { Card, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { isCurrent, isForeign, kit, made } from "./visit";
+import { kitState, made, manifest as manifestThere } from "./visit";
 import { VolumeView } from "./volume";
 import { figure, t } from "./words";
 
@@ -19,14 +19,16 @@ export function ResultStep() {
       </Card>
     );
   }
-  const { judged, manifest } = now;
+  const { judged } = now;
+  const state = kitState.value;
+  const manifest = (state !== "foreign" && manifestThere.value) || now.manifest;
   return (
     <>
       <Card wide>
         <p class="head">
           <Verdict of={judged.verdict} forecast />
         </p>
-        {kit.value.length > 0 && !isCurrent.value && !isForeign.value && <p class="state">{t("kit_old")}</p>}
+        {state !== "none" && state !== "current" && <p class="state">{t(`kit_${state}`)}</p>}
         <Scope of={judged} />
         <Decides judged={judged} />
         <Figures judged={judged} manifest={manifest} />

@@ -4,19 +4,21 @@ import { JobForm } from "./form";
 import { Grid } from "./grid";
 import { ReportPage } from "./kit";
 import { Card, Drop, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { after, files, isCurrent, isForeign, isTable, isToml, kit, measured, measuredAfter, notice, putAfter, putSecondJob, second, type Files } from "./visit";
+import { after, asTable, files, isTable, isToml, kit, kitState, measured, measuredAfter, notice, putAfter, putSecondJob, second, type Files } from "./visit";
 import { withTable } from "./measured";
 import { t } from "./words";
 
 /** A job with what it names, or one table: of the job that the second measurement has, or by itself. */
-function take(dropped: Files) {
+async function take(dropped: Files) {
   const jobs = [...dropped.keys()].filter(isToml);
   const [name, content] = [...dropped][0] ?? ["", new Uint8Array()];
   if (jobs.length > 1 || (!jobs.length && dropped.size !== 1)) notice.value = t("one_second");
   else if (jobs[0]) notice.value = putSecondJob(dropped, jobs[0]) ? "" : t("climbs", { file: jobs[0] });
-  else if (isToml(after.value)) withTable(after, dropped);
-  else if (isTable(name)) putAfter(name, content);
-  else notice.value = t("not_taken", { file: name });
+  else if (isToml(after.value)) await withTable(after, dropped);
+  else if (isTable(name)) {
+    const table = await asTable(name, content);
+    if (table) putAfter(...table);
+  } else notice.value = t("not_taken", { file: name });
 }
 
 export function SecondStep() {
@@ -27,7 +29,7 @@ export function SecondStep() {
   return (
     <>
       <Card wide>
-        {isForeign.value ? <p class="state">{t("kit_foreign")}</p> : !isCurrent.value && <p class="state">{t("kit_old")}</p>}
+        {kitState.value !== "current" && <p class="state">{t(`kit_${kitState.value}`)}</p>}
         {now?.judged ? (
           <>
             <p class="head">

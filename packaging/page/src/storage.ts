@@ -5,6 +5,7 @@ export interface Kept {
   files: ReadonlyMap<string, Uint8Array>;
   job: string;
   after: string;
+  language?: string;
 }
 
 /** Whether this browser keeps the visit, or another window of it does. */

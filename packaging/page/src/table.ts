@@ -12,13 +12,13 @@ export interface Table {
   rows: number[];
 }
 
-/** A table that can be shown as a grid, or nothing (quoted cells, no header). */
+/** A table that can be shown as a grid, or nothing without a header. */
 export function table(text: string): Table | null {
   const lines = text.replace(/^\ufeff/, "").split(/\r?\n/);
   const header = lines.findIndex((line) => line.trim() !== "" && !line.startsWith("#"));
-  if (header < 0 || text.includes('"')) return null;
+  if (header < 0) return null;
   const separator = lines[header]!.includes(";") ? ";" : ",";
-  const names = lines[header]!.split(separator).map((name) => name.trim());
+  const names = split(lines[header]!, separator).map(unquoted);
   const rows: number[] = [];
   lines.forEach((line, n) => {
     if (n > header && line.trim() !== "" && !line.startsWith("#")) rows.push(n);
@@ -26,8 +26,28 @@ export function table(text: string): Table | null {
   return { lines, ends: text.includes("\r\n") ? "\r\n" : "\n", header, separator, names, rows };
 }
 
+/** The parts of a line as they stand; between quotation marks a separator is none. */
+function split(line: string, separator: string): string[] {
+  if (!line.includes('"')) return line.split(separator);
+  const found: string[] = [];
+  let [start, isQuoted] = [0, false];
+  for (let n = 0; n <= line.length; n++) {
+    if (line[n] === '"') isQuoted = !isQuoted;
+    if (n < line.length && (line[n] !== separator || isQuoted)) continue;
+    found.push(line.slice(start, n));
+    start = n + 1;
+  }
+  return found;
+}
+
+/** What a part says: without the quotation marks around it. */
+function unquoted(part: string): string {
+  const text = part.trim();
+  return /^".*"$/.test(text) ? text.slice(1, -1).replaceAll('""', '"').trim() : text;
+}
+
 export function cells(of: Table, line: number): string[] {
-  return of.lines[line]!.split(of.separator);
+  return split(of.lines[line]!, of.separator).map(unquoted);
 }
 
 export function text(of: Table): string {
@@ -45,7 +65,7 @@ export function pasted(of: Table, row: number, column: number, values: string[][
       lines.splice(line, 0, of.separator.repeat(of.names.length - 1));
       rows.push(line);
     }
-    const now = lines[line]!.split(of.separator);
+    const now = split(lines[line]!, of.separator);
     given.forEach((value, m) => {
       if (column + m < of.names.length) now[column + m] = value;
     });
@@ -59,13 +79,13 @@ export function withoutRow(of: Table, row: number): Table {
 }
 
 /**
- * What stands in a cell for what was typed. A decimal comma becomes a point where commas separate; whatever else holds a separator
- * keeps its look (with U+201A in its place), so that the reader refuses it: nothing is taken for another number.
+ * What stands in a cell for what was typed. A decimal comma becomes a point where commas separate; whatever else a separator, a
+ * quotation mark or a # is part of is quoted, so that the reader refuses that cell: nothing is taken for something else.
  */
 export function cell(given: string, separator: string): string {
-  const text = given.trim().replace(/^\u2212/, "-");
+  const text = unquoted(given).replace(/^\u2212/, "-");
   if (separator === "," && /^[-+]?\d*,\d*$/.test(text)) return text.replace(",", ".");
-  return text.replaceAll(separator, "\u201a");
+  return /["#]/.test(text) || text.includes(separator) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
 /** A block of a spreadsheet, or a cell of it in which nobody can say what its comma means. */
@@ -80,7 +100,7 @@ const THOUSANDS = /^[-+\u2212]?[1-9]\d{0,2}(,\d{3})+$/;
 
 /** Commas are decimal in the whole block where one of its cells shows it and none holds a point. */
 export function block(copied: string, separator: string): Block {
-  const rows = copied.replace(/\r/g, "").replace(/\n+$/, "").split("\n").map((line) => line.split("\t").map((one) => one.trim()));
+  const rows = copied.replace(/\r/g, "").replace(/\n+$/, "").split("\n").map((line) => line.split("\t").map(unquoted));
   const numbers = rows.flat().filter((one) => /^[-+\u2212]?[\d.,]+$/.test(one));
   const commas = numbers.filter((one) => one.includes(","));
   const isDecimal = commas.some((one) => /^\D?\d*,\d*$/.test(one) && !THOUSANDS.test(one)) && !numbers.some((one) => one.includes("."));
@@ -92,7 +112,7 @@ export function block(copied: string, separator: string): Block {
 /** The cell of a line in which a character stands, counted from 1. */
 export function cellAt(of: Table, line: number, column: number): number {
   let end = 0;
-  const found = cells(of, line).findIndex((cell) => (end += cell.length + 1) >= column);
+  const found = split(of.lines[line]!, of.separator).findIndex((part) => (end += part.length + 1) >= column);
   return Math.max(found, 0);
 }
 
@@ -102,7 +122,7 @@ export interface Curve {
 }
 
 const number = (cell: string | undefined, separator: string) => {
-  const value = (cell ?? "").trim();
+  const value = cell ?? "";
   return value === "" ? NaN : Number(separator === ";" ? value.replace(",", ".") : value);
 };
 
@@ -120,8 +140,8 @@ export function curves(of: Table): Map<string, Curve[]> {
   const columns = of.names.flatMap((name, n) => (/^e[xyz]_/.test(name) ? [n] : []));
   for (const line of of.rows) {
     const row = cells(of, line);
-    const moving = (row[axis] ?? "").trim().toUpperCase();
-    const way = direction < 0 ? "" : (row[direction] ?? "").trim();
+    const moving = (row[axis] ?? "").toUpperCase();
+    const way = direction < 0 ? "" : row[direction] ?? "";
     for (const column of columns) {
       const mm = number(row[position], of.separator) * unit(of.names[position]!, MM);
       const point: [number, number] = [mm, number(row[column], of.separator) * unit(of.names[column]!, UM)];

@@ -54,14 +54,15 @@ export function Verdict(props: { of: string; forecast?: boolean }) {
 }
 
 /** A place where files can be dropped, or chosen. */
-export function Drop(props: { words: string; folder?: boolean; take: (files: Files) => void }) {
+export function Drop(props: { words: string; folder?: boolean; take: (files: Files) => void | Promise<void> }) {
   const [over, setOver] = useState(false);
+  const failed = (fault: Error) => (notice.value = fault.message);
   const choose = (folder: boolean) => {
     const input = document.createElement("input");
     input.type = "file";
     input.multiple = true;
     input.webkitdirectory = folder;
-    input.onchange = () => void chosen(input.files).then(props.take).catch((fault) => (notice.value = String(fault)));
+    input.onchange = () => void chosen(input.files).then(props.take).catch(failed);
     input.click();
   };
   return (
@@ -75,7 +76,7 @@ export function Drop(props: { words: string; folder?: boolean; take: (files: Fil
       onDrop={async (event) => {
         event.preventDefault();
         setOver(false);
-        if (event.dataTransfer) await dropped(event.dataTransfer).then(props.take).catch((fault) => (notice.value = String(fault)));
+        if (event.dataTransfer) await dropped(event.dataTransfer).then(props.take).catch(failed);
       }}
     >
       <p>{props.words}</p>

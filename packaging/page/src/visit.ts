@@ -4,10 +4,10 @@ import schema from "core:";
 import list from "core:controllers list --format json";
 import { run, type Answer } from "./core";
 import { sections, shown, valueOf, withValue, type Key, type Section } from "./job";
-import { problems, type Problem } from "./problems";
+import { problems, said, type Problem } from "./problems";
 import { claim, kept, look, remember } from "./storage";
 import { cells, table } from "./table";
-import { language } from "./words";
+import { language, t } from "./words";
 
 export type Files = ReadonlyMap<string, Uint8Array>;
 
@@ -53,6 +53,9 @@ export function inside(folder: string, all: Iterable<[string, Uint8Array]> = fil
 export const jobText = computed(() => textOf(job.value));
 export const isReadings = computed(() => valueOf(jobText.value, "measurement", "readings") !== "");
 
+/** The folder of the visit: of its job, its kit and its second measurement, maybe among others. */
+export const home = computed(() => folderOf(job.value));
+
 /** The tables that a job names, one or a list, relative to it. */
 function named(text: string): string[] {
   const value = valueOf(text, "measurement", "errors") || valueOf(text, "measurement", "readings");
@@ -77,7 +80,7 @@ const text = (all: Files, name: string) => decoder.decode(all.get(name));
 
 /** The jobs among these files; those of second measurements only where there are no others. */
 export function jobsIn(all: Files): string[] {
-  const jobs = [...all.keys()].filter((name) => isToml(name) && /^\s*\[machine[\].]/m.test(text(all, name)));
+  const jobs = [...all.keys()].filter((name) => isToml(name) && /^\s*\[machine/m.test(text(all, name)));
   const first = jobs.filter((name) => !/(^|\/)after(-\d+)?(\.toml$|\/)/i.test(name));
   return first.length ? first : jobs;
 }
@@ -88,23 +91,33 @@ const below = (all: Files, folder: string) =>
 
 const climbs = (job: string) => named(job).some((one) => /^(\.\.[/\\]|[/\\]|[a-z]:)/i.test(one));
 
+/** The folder that holds all that a job names: its own one, or one above it for each `../` that a value begins with. */
+function rootOf(all: Files, name: string): string {
+  const values = sections(text(all, name)).flatMap((one) => one.fields.map((field) => (field.optional ? "" : field.value)));
+  const up = values.flatMap((value) => [...value.matchAll(/["']((?:\.\.[/\\]+)*)/g)].map((one) => one[1]!.split("..").length - 1));
+  const folders = folderOf(name).split("/").slice(0, -1);
+  return folders.slice(0, Math.max(0, folders.length - Math.max(0, ...up))).map((folder) => `${folder}/`).join("");
+}
+
 /**
- * A visit begins with this job and what lies beside it, or all that came along where its tables lie elsewhere. The second measurement
+ * A visit begins with this job and what lies beside it, and beside the folders that it names. The second measurement
  * is `after/…toml`, `after.toml` or a table `after`, but no table of the first.
  */
 export function open(all: Files, name: string) {
-  const root = climbs(text(all, name)) ? "" : folderOf(name);
+  const root = rootOf(all, name);
   const own = below(all, root);
   const first = name.slice(root.length);
+  const at = folderOf(first);
   const tables = named(text(all, name)).map((one) => folderOf(first) + one);
   const isSecond = (one: string) =>
     isToml(one) ? /^\s*\[measurement[\].]/m.test(text(own, one)) : isTable(one) && !/\.txt$/i.test(one) && !tables.includes(one);
   const kinds = [/^after\/[^/]+\.toml$/, /^after\.toml$/, /^after\.csv$/, /^after\.[a-z]+$/];
-  const found = kinds.map((kind) => [...own.keys()].find((one) => kind.test(one) && isSecond(one)));
+  const beside = [...below(own, at).keys()];
+  const found = kinds.flatMap((kind) => beside.filter((one) => kind.test(one) && isSecond(at + one)).slice(0, 1));
   batch(() => {
     files.value = own;
     job.value = first;
-    after.value = found.find(Boolean) ?? "after.csv";
+    after.value = at + (found[0] ?? "after.csv");
   });
 }
 
@@ -112,7 +125,7 @@ export function open(all: Files, name: string) {
 function free(all: Files, name: string): string {
   const isTaken = (one: string) => [...all.keys()].some((key) => (one.endsWith("/") ? key.startsWith(one) : key === one));
   for (let n = 1; ; n++) {
-    const one = name.replace(/^([^./]*)/, `$1-${n}`);
+    const one = name.replace(/([^./]*)(\.[^/]*|\/)$/, `$1-${n}$2`);
     if (!isTaken(one)) return one;
   }
 }
@@ -120,12 +133,13 @@ function free(all: Files, name: string): string {
 /** A table is the second measurement from now on. A filled one before it is kept under another name; an empty form goes. */
 export function putAfter(name: string, content: Uint8Array) {
   const all = new Map(files.value);
-  const isBefore = (one: string) => /^after\.[a-z]+$/.test(one) && isTable(one) && !measured.value.includes(one);
+  const at = home.value;
+  const isBefore = (one: string) => one.startsWith(at) && /^after\.[a-z]+$/.test(one.slice(at.length)) && isTable(one) && !measured.value.includes(one);
   for (const old of [...all.keys()].filter(isBefore)) {
     if (isFilled(old) && !isSame(content, all.get(old))) all.set(free(all, old), all.get(old)!);
     all.delete(old);
   }
-  const wanted = `after${/\.[^.]*$/.exec(name)![0].toLowerCase()}`;
+  const wanted = `${at}after${/\.[^.]*$/.exec(name)![0].toLowerCase()}`;
   const now = all.has(wanted) ? free(all, wanted) : wanted;
   batch(() => {
     files.value = all.set(now, content);
@@ -144,13 +158,15 @@ export function putSecondJob(dropped: Files, name: string): boolean {
   if (climbs(words)) return false;
   const active = sections(words).filter((one) => one.name === "measurement").flatMap((one) => one.fields);
   const field = active.find((one) => one.key === "active_while_measuring" && !one.optional);
-  const isHere = field && shown(field.value) === kitFolder.value && ![...own.keys()].some((one) => one.startsWith(`${kitFolder.value}/`));
-  if (isHere) own.set(job, encoder.encode(withValue(words, field, JSON.stringify(`../${kitFolder.value}`))));
-  const kept = free(files.value, "after/");
-  const moved = [...files.value].map(([one, of]): [string, Uint8Array] => [one.startsWith("after/") ? kept + one.slice("after/".length) : one, of]);
+  const kitAt = kitFolder.value.slice(home.value.length);
+  const isHere = field && shown(field.value) === kitAt && !inside(kitAt, own).length;
+  if (isHere) own.set(job, encoder.encode(withValue(words, field, JSON.stringify(`../${kitAt}`))));
+  const at = `${home.value}after/`;
+  const kept = free(files.value, at);
+  const moved = [...files.value].map(([one, of]): [string, Uint8Array] => [one.startsWith(at) ? kept + one.slice(at.length) : one, of]);
   batch(() => {
-    files.value = new Map([...moved, ...[...own].map(([one, of]): [string, Uint8Array] => [`after/${one}`, of])]);
-    after.value = `after/${job}`;
+    files.value = new Map([...moved, ...[...own].map(([one, of]): [string, Uint8Array] => [at + one, of])]);
+    after.value = at + job;
   });
   return true;
 }
@@ -170,6 +186,8 @@ export interface Made {
   manifest: Manifest | null;
   judged: Judged | null;
   kit: [string, Uint8Array][];
+  /** Whether the kit that is there holds what its manifest lists, as it was made. */
+  isIntact: boolean;
   picture: string;
   volume: Volume | null;
 }
@@ -206,7 +224,7 @@ export interface Judged {
 
 export interface Manifest {
   controller: string;
-  files: { path: string; role: string }[];
+  files: { path: string; role: string; sha256: string }[];
   assumptions: { fact: string; value: string; consequence: string; without_effect?: string | null }[];
   tables: { term: string; direction: string | null; place: string }[];
 }
@@ -236,24 +254,45 @@ const json = <T,>(answer: Answer): T | null => (answer.status < 2 ? (JSON.parse(
 /** The folder of the kit; another one where the job names `kit` as active while measuring. */
 export const kitFolder = computed(() => {
   const active = valueOf(jobText.value, "measurement", "active_while_measuring").replace(/^\.\/|\/$/g, "");
-  return active === "kit" ? "kit-2" : "kit";
+  return home.value + (active === "kit" ? "kit-2" : "kit");
 });
 
+/** Into the checklist people write; every other file of a kit stays as it was made. */
+const stays = (file: { role: string }) => file.role !== "checklist";
+
+async function isAsListed(all: Files, kitAt: string, manifest: Manifest | null): Promise<boolean> {
+  for (const file of manifest?.files.filter(stays) ?? []) {
+    const bytes = all.get(`${kitAt}/${file.path}`) as BufferSource | undefined;
+    const hash = bytes ? [...new Uint8Array(await crypto.subtle.digest("SHA-256", bytes))] : [];
+    if (hash.map((byte) => byte.toString(16).padStart(2, "0")).join("") !== file.sha256) return false;
+  }
+  return manifest !== null;
+}
+
 async function make(): Promise<Made> {
-  const kitAt = kitFolder.value;
-  // The visit without its kit, which is made anew to be shown.
-  const own = [...files.value].filter(([name]) => !name.startsWith(`${kitAt}/`));
+  const [kitAt, all, old] = [kitFolder.value, files.value, manifest.value];
+  const isIntact = await isAsListed(all, kitAt, old);
+  // The visit without its kit, which is made anew to be compared.
+  const own = [...all].filter(([name]) => !name.startsWith(`${kitAt}/`));
   separated.value = isReadings.value ? json<Separated>(await run(["separate", job.value, "--format", "json"], own)) : null;
-  const answer = await run(["generate", job.value, "-o", kitAt, "--format", "json", "--plot", "plot.svg", "--force"], own);
-  const found = problems(answer);
-  const manifest = json<Manifest>(answer);
-  if (!manifest) return { problems: found, manifest: null, judged: null, kit: [], picture: "", volume: null };
+  const answer = await run(["generate", job.value, "-o", kitAt, "--format", "json", "--force"], own);
+  const now = json<Manifest>(answer);
+  if (!now) return { problems: problems(answer), manifest: null, judged: null, kit: [], isIntact, picture: "", volume: null };
   const kit = inside(kitAt, answer.files);
-  const picture = decoder.decode(new Map(answer.files).get("plot.svg"));
-  const with_kit = [...own, ...kit];
-  const judged = json<Judged>(await run(["verify", job.value, "--tables", kitAt, "--format", "json"], with_kit));
-  const assessed = await run(["assess", job.value, "--tables", kitAt, "--vectors", "--grid", "4,4,4", "--format", "json"], with_kit);
-  return { problems: found, manifest, judged, kit, picture, volume: json<Volume>(assessed) };
+  // Judged is the kit that is there, as it stands; before there is one for this control, that which would be made.
+  const isThere = inside(kitAt, all).length > 0 && (!old || old.controller === now.controller);
+  const judgedWith = isThere ? all : [...own, ...kit];
+  const verified = await run(["verify", job.value, "--tables", kitAt, "--format", "json", "--plot", "plot.svg", "--force"], judgedWith);
+  const assessed = await run(["assess", job.value, "--tables", kitAt, "--vectors", "--grid", "4,4,4", "--format", "json"], judgedWith);
+  return {
+    problems: problems(verified),
+    manifest: now,
+    judged: json<Judged>(verified),
+    kit,
+    isIntact,
+    picture: decoder.decode(new Map(verified.files).get("plot.svg")),
+    volume: json<Volume>(assessed),
+  };
 }
 
 /** The kit of the visit, as it was made last and goes to the machine. */
@@ -261,20 +300,23 @@ export const kit = computed(() => inside(kitFolder.value));
 /** The manifest of the kit that is there. */
 export const manifest = computed(() => {
   try {
-    return JSON.parse(textOf(`${kitFolder.value}/manifest.json`)) as Manifest;
+    const of = JSON.parse(textOf(`${kitFolder.value}/manifest.json`)) as Manifest;
+    return Array.isArray(of.files) ? of : null;
   } catch {
     return null; // none, or a damaged one: the program says so
   }
 });
-/** Whether the kit is of another control than one that the program would make now. */
-export const isForeign = computed(() => {
-  const now = made.value?.manifest;
-  return !!now && !!manifest.value && manifest.value.controller !== now.controller;
-});
-/** Whether the kit is what the program would make now. */
-export const isCurrent = computed(() => {
-  const now = new Map(made.value?.kit ?? []);
-  return kit.value.length === now.size && kit.value.every(([name, bytes]) => isSame(bytes, now.get(name)));
+/**
+ * What there is to say of the kit that is there: of another control than one that the program would make now, the same as that,
+ * no more as it was made, or as it was made of another job.
+ */
+export const kitState = computed((): "none" | "foreign" | "current" | "changed" | "old" => {
+  const [now, of] = [made.value, new Map(kit.value)];
+  if (!of.size) return "none";
+  if (now?.manifest && manifest.value && manifest.value.controller !== now.manifest.controller) return "foreign";
+  const written = now?.manifest?.files.filter((file) => !stays(file)).map((file) => `${kitFolder.value}/${file.path}`);
+  if (now?.kit.length && now.kit.every(([name, bytes]) => written?.includes(name) || isSame(bytes, of.get(name)))) return "current";
+  return now && !now.isIntact ? "changed" : "old";
 });
 
 export function isSame(one: Uint8Array, other: Uint8Array | undefined): boolean {
@@ -327,6 +369,25 @@ export function isFilled(name: string): boolean {
   if (!of) return true;
   const values = of.names.flatMap((column, n) => (/^(axis|position|target|diagonal|direction|node|moved|run)/i.test(column) ? [] : [n]));
   return of.rows.some((line) => values.some((n) => cells(of, line)[n]?.trim()));
+}
+
+/**
+ * A table as a job takes it; of a spreadsheet with the columns of an error table the CSV that the program makes of it. Any other one
+ * is refused here, with what the program says of it.
+ */
+export async function asTable(path: string, content: Uint8Array, takesErrors = true): Promise<[string, Uint8Array] | null> {
+  const name = path.slice(path.lastIndexOf("/") + 1);
+  if (!/\.(xls[xm]?|ods)$/i.test(name)) return [name, content];
+  const csv = name.replace(/[^.]*$/, "csv");
+  // What is understood of it has to be that each column is what it is called.
+  const isOwn = (words: string) => /--columns "(\w+)=\1(,(\w+)=\3)*"/.test(words);
+  const words = ["import", name, "-o", csv, "--sign", "as-error", "--yes", "--format", "json"];
+  const answer = takesErrors ? await run(words, [[name, content]]) : null;
+  const found = answer && json<{ facts: string[] }>(answer);
+  const made = found?.facts.some(isOwn) && new Map(answer?.files).get(csv);
+  if (made) return [csv, made];
+  notice.value = t("sheet", { file: name, why: answer ? problems(answer).map(said).join("; ") : "" }).trim();
+  return null;
 }
 
 /** The page that is handed over, in the language of this page. */
@@ -390,6 +451,7 @@ export async function start() {
   const old = await kept();
   if (old) {
     batch(() => {
+      language.value = old.language ?? language.value;
       files.value = old.files;
       job.value = old.job;
       after.value = old.after;
@@ -401,7 +463,7 @@ export async function start() {
   });
   await claim();
   addEventListener("focus", () => void look());
-  effect(() => void remember({ files: files.value, job: job.value, after: after.value }));
+  effect(() => void remember({ files: files.value, job: job.value, after: after.value, language: language.value }));
   effect(() => {
     const id = controller.value;
     hints.value = new Map();

@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
-import { unzipSync } from "fflate";
+import { unzipSync, zipSync } from "fflate";
 import puppeteer from "puppeteer-core";
 
 const root = resolve(fileURLToPath(import.meta.url), "../../../..");
@@ -116,6 +116,32 @@ async function paste(cell, text) {
     Object.defineProperty(event, "clipboardData", { value: data }); // Firefox takes none from a script
     document.activeElement.dispatchEvent(event);
   }, text);
+}
+
+/** What the page says once, above its step. */
+const noticed = () => page.$eval(".notice", (one) => one.innerText);
+
+/** Packs files into a zip and chooses it. */
+async function chooseZip(files) {
+  writeFileSync(join(scratch, "packed.zip"), zipSync(files));
+  await choose([join(scratch, "packed.zip")]);
+}
+
+/** A workbook whose only sheet holds these cells. */
+function workbook(rows) {
+  const cell = (text) => (text !== "" && Number.isFinite(Number(text)) ? `<c><v>${text}</v></c>` : `<c t="inlineStr"><is><t>${text}</t></is></c>`);
+  const sheet = rows.map((row) => `<row>${row.map(cell).join("")}</row>`).join("");
+  const [main, office] = ["http://schemas.openxmlformats.org/spreadsheetml/2006/main", "http://schemas.openxmlformats.org/officeDocument/2006/relationships"];
+  const relations = (type, target) =>
+    `<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r1" Type="${office}/${type}" Target="${target}"/></Relationships>`;
+  const parts = {
+    "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
+    "_rels/.rels": relations("officeDocument", "xl/workbook.xml"),
+    "xl/_rels/workbook.xml.rels": relations("worksheet", "worksheets/sheet1.xml"),
+    "xl/workbook.xml": `<workbook xmlns="${main}" xmlns:r="${office}"><sheets><sheet name="errors" sheetId="1" r:id="r1"/></sheets></workbook>`,
+    "xl/worksheets/sheet1.xml": `<worksheet xmlns="${main}"><sheetData>${sheet}</sheetData></worksheet>`,
+  };
+  return zipSync(Object.fromEntries(Object.entries(parts).map(([name, text]) => [name, Buffer.from(text)])));
 }
 
 const shown = () => page.$eval("main", (one) => one.innerText);
@@ -244,7 +270,11 @@ test("a visit from the first click to the page that is signed", async () => {
 test("a new visit: what is empty is counted, a wrong cell is told at its cell, a block is pasted", async () => {
   await opened();
   await page.select(".begin select", "fanuc-30i");
-  for (const [n, travel] of ["800", "500", "-400:0"].entries()) await page.type(`.three label:nth-child(${n + 1}) input`, travel);
+  for (const [n, travel] of ["800", "500", "-400,0"].entries()) await page.type(`.three label:nth-child(${n + 1}) input`, travel);
+  await press("Begin");
+  await shows("write each travel as");
+  await page.$eval(".three label:nth-child(3) input", (one) => one.select());
+  await page.type(".three label:nth-child(3) input", "-400:0");
   await press("Begin");
   await page.waitForSelector(".row");
   await settled();
@@ -277,6 +307,14 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   assert.equal(await cell("8:2"), "2.14");
   await paste("7:2", "1,234\t,5");
   assert.deepEqual([await cell("7:2"), await cell("7:3")], ["1.234", ".5"]);
+  // A quotation mark is a fault of its cell; around a value it is none.
+  await page.focus('[data-cell="9:2"]');
+  await page.keyboard.type('1"');
+  await settled();
+  await page.waitForSelector('[data-cell="9:2"][aria-invalid=true]');
+  assert.equal(await cell("9:2"), '1"');
+  await paste("9:2", '"1.5"');
+  assert.equal(await cell("9:2"), "1.5");
   for (const unclear of ["1,234\t2,345", "0,5\t1.234", "1,250.5"]) {
     await paste("7:2", unclear);
     assert.match(await page.$eval(".notice", (one) => one.innerText), /Nothing was pasted/);
@@ -301,6 +339,11 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   await settled();
   await page.waitForSelector('[data-cell="4:3"][aria-invalid=true]');
   await pictured("3-measurement-wrong");
+  await paste("0:2", Array(rows + 5).fill("0,5").join("\n"));
+  assert.match(await noticed(), /became 0\.5.*(goes on from|rows were added)/);
+  await paste("0:2", "1");
+  await settled();
+  assert.equal(await page.$(".notice"), null);
 });
 
 /** A job of each profile: the fixture, or that of the 840D sl with another control, which for some has a detection unit. */
@@ -345,8 +388,12 @@ test("the visit is kept, saved as a folder that the program takes, and opened ag
   await page.keyboard.press("ArrowRight");
   assert.notEqual(await arrows(), still);
   await new Promise((done) => setTimeout(done, 300));
+  await page.select("select[aria-label=Language]", "de");
+  await new Promise((done) => setTimeout(done, 300));
   await page.reload();
   await page.waitForSelector("header .verdict.pass");
+  assert.equal(await page.$eval("select[aria-label=Language]", (one) => one.value), "de");
+  await page.select("select[aria-label=Language]", "en");
   const zip = await saved("Save the visit");
   for (const [name, bytes] of Object.entries(unzipSync(zip))) {
     mkdirSync(join(scratch, "again", dirname(name)), { recursive: true });
@@ -378,13 +425,95 @@ test("a job by hand keeps every byte but the value that is typed", async () => {
   await page.waitForSelector("header .verdict");
 });
 
-test("errors in a spreadsheet are taken", async () => {
+test("a spreadsheet with an error table becomes a CSV; any other one is refused where it is dropped", async () => {
   await opened();
   const folder = join(root, "fixtures/nine_errors_900");
+  const rows = readFileSync(join(folder, "errors.csv"), "utf8").split("\n").filter((line) => line && !line.startsWith("#"));
+  writeFileSync(join(scratch, "of sheet.xlsx"), workbook(rows.map((line) => line.split(","))));
   await choose([join(folder, "generic.toml"), join(folder, "errors.csv")]);
   await go("measurement");
   await choose([join(root, "fixtures/formats/workbook_selfmade.xlsx")]);
-  await shows("workbook_selfmade.xlsx is used as it is");
+  assert.match(await noticed(), /workbook_selfmade.xlsx is not taken.*not recognised/);
+  await choose([join(scratch, "of sheet.xlsx")]);
+  assert.equal(await noticed().then((words) => words.replace(/\s*✕/, "")), "of sheet.csv is used now (generic.toml). errors.csv is kept.");
+  assert.equal(await page.$eval('[data-cell="1:1"]', (one) => one.value), "30");
+  await page.waitForSelector("header .verdict.pass");
+  await go("kit");
+  await press("Make the kit");
+  await page.waitForSelector(".file");
+  await go("second");
+  await choose([join(scratch, "of sheet.xlsx")]);
+  await shows("the same file, or a copy of it");
+});
+
+test("a table that the job names and that is not there is told as missing", async () => {
+  await opened();
+  const folder = join(root, "fixtures/nine_errors_900");
+  await drop([["visit.zip", "PK"]]);
+  assert.match(await noticed(), /visit.zip cannot be unpacked/);
+  await drop([["job.toml", '[machine\nname = "A"']]);
+  await shows("not valid TOML");
+  await opened();
+  await choose([join(folder, "generic.toml")]);
+  await go("measurement");
+  await shows("errors.csv, which the job names, is missing");
+  await drop([["errors.csv", readFileSync(join(folder, "errors.csv"), "utf8")]]);
+  assert.doesNotMatch(await noticed(), /kept/);
+  await page.waitForSelector("header .verdict.pass");
+});
+
+test("a kit is judged as it stands: changed by hand it fails and is named as changed, of another job it is older", async () => {
+  await opened();
+  const folder = join(root, "fixtures/nine_errors_900");
+  const [job, errors] = ["siemens-840d-sl.toml", "errors.csv"].map((name) => readFileSync(join(folder, name)));
+  const kit = Object.fromEntries([...programKit(folder, "siemens-840d-sl.toml")].map(([name, bytes]) => [`kit/${name}`, bytes]));
+  const table = Buffer.from(kit["kit/NONIUS_CEC.MPF"].toString().replace(/(\$AN_CEC\[\d+,5\]=)\S+/, "$10.9"));
+  assert.ok(!table.equals(kit["kit/NONIUS_CEC.MPF"]));
+  await chooseZip({ "job.toml": job, "errors.csv": errors, ...kit, "kit/NONIUS_CEC.MPF": table });
+  await page.waitForSelector("header .verdict.fail");
+  for (const step of ["result", "kit", "second"]) {
+    await go(step);
+    await shows("not as it was made");
+    assert.doesNotMatch(await shown(), /older than|forecast: pass/i);
+  }
+  await go("result");
+  await shows("NONIUS_CEC.MPF. was changed after it was made");
+  await go("kit");
+  assert.doesNotMatch(await shown(), /Download the kit/);
+  await press("Make the kit again");
+  await shows("up to date");
+  await page.waitForSelector("header .verdict.pass");
+  await go("job");
+  await type("spacing_mm X", "60");
+  await settled();
+  await go("kit");
+  await shows("older than the job");
+});
+
+test("a visit that replaces the kit of an older one is opened, saved and opened again with it", async () => {
+  const from = join(root, "fixtures/nine_errors_900");
+  const [old, upd] = ["old", "upd"].map((name) => join(scratch, "update", name));
+  cpSync(from, old, { recursive: true });
+  programKit(old, "generic.toml");
+  cpSync(join(scratch, "kit-generic.toml"), join(old, "kit"), { recursive: true });
+  execFileSync(program, ["new", "--from", "old/generic.toml", "-o", "upd"], { cwd: dirname(old), stdio: "ignore" });
+  cpSync(join(from, "errors.csv"), join(upd, "errors.csv"));
+  writeFileSync(join(upd, "job.toml"), readFileSync(join(upd, "job.toml"), "utf8").replace('date = ""', 'date = "2026-12-01"'));
+  const files = ["old/kit", "upd"].flatMap((of) => readdirSync(join(scratch, "update", of)).map((name) => `${of}/${name}`));
+  const read = (name) => readFileSync(join(scratch, "update", name));
+  await opened();
+  // As programs for Windows pack it.
+  await chooseZip(Object.fromEntries(files.map((name) => [name.replaceAll("/", "\\"), read(name)])));
+  await page.waitForFunction(() => document.querySelector("header .verdict"));
+  await go("kit");
+  await press("Make the kit");
+  await shows("up to date");
+  const kept = unzipSync(await saved("Save the visit"));
+  for (const [name, bytes] of programKit(upd, "job.toml")) assert.ok(bytes.equals(Buffer.from(kept[`visit/upd/kit/${name}`])), `${name} differs`);
+  await opened();
+  await chooseZip(kept);
+  await go("kit");
+  await shows("up to date");
 });
 
 test("a second measurement that was dropped is judged", async () => {
