@@ -166,7 +166,7 @@ fn again(
         (true, None) => format!("the new tables replace those of {name}"),
     });
     let kit = if is_kit { inside(&kit, directory) } else { String::new() };
-    let mut keys = profile.job_keys.iter().filter(|key| lacks_backlash && key.example.is_none());
+    let mut keys = profile.job_keys.iter().filter(|_| lacks_backlash);
     let backlash = keys.find(|key| key.key == "active_backlash_um");
     let earlier = Earlier { job, measured, place, backlash, kit, held };
     let begun = earlier.again(|path| inside(&folder.join(path), directory))?;

@@ -39,9 +39,10 @@ impl Assumption {
         }
     }
 
-    /// Whether it is the sign of a table, and matters.
+    /// Whether it is the sign of a table, or which sense is typed in, and matters.
     pub(crate) fn is_sign(&self) -> bool {
-        self.fact.ends_with("_sign") && self.without_effect.is_none()
+        let is_sense = self.fact.ends_with("_sign") || self.fact == "typed_value";
+        is_sense && self.without_effect.is_none()
     }
 
     /// `fact = value; if wrong: consequence`, without patterns, which nobody compares with a control.

@@ -19,6 +19,7 @@ pub use self::diagonals::{
     AxisMaterial, Beam, DiagonalMeasurement, Frame, Linear, LinearSlope, Material, Reflector, SetUp,
 };
 pub use self::machine::{Acceptance, LARGEST_BUMP_UM, LEAST_BUMP_UM, Limits, Machine, MachineAxis};
+pub(crate) use self::measurement::day;
 pub use self::measurement::{
     ActiveSettings, ActiveTables, Levers, MeasuredData, Measurement, NotMeasured, StatedUncertainty,
 };

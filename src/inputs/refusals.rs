@@ -198,7 +198,8 @@ refusals! {
     no_expansion(column, axis, key) => "`{column}` gives temperatures, but the job does not give the expansion of axis {axis}", format!("add `{key} = {{ alpha_per_k = … }}` to [measurement.step_diagonal.material]");
     // Jobs.
     without_grid(axis, path) => "axis {axis} is compensated, but [{path}] does not say how its points are chosen", "add `spacing_mm = …`, `points = …` or `max_residual_um = …`";
-    without_unit(path, control) => "[{path}] has no `detection_unit_um`, and {control} counts in it", "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)";
+    without_unit(path, control) => "[{path}] has no `detection_unit_um`, and {control} counts in it", "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C), on a Fanuc inch machine 2.54 or 0.254";
+    no_day(date) => "`date` is `{date}`, and there is no such day", "write the day of the measurement, e.g. \"2026-11-20\"";
     other_schema(found) => "`schema` is {found}, expected `schema = 1` in the first line", "add `schema = 1` above everything else; a job of another schema needs the version of the program that it was written for";
     table_not_job(name, what, key) => "`{name}` is {what}, expected the job (TOML) that names it", format!("give the job with `{key} = …` in [measurement]; fixtures/start holds jobs to begin with");
     far_reference(reference, outside, low, high, most, next) => "the reference point {reference} mm lies {outside} mm outside the travel {low} … {high} mm, expected at most {most} mm", format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {next}` below it");

@@ -16,6 +16,7 @@ refusals! {
     // A kit.
     damaged_manifest(path, error) => "`{path}/manifest.json` is damaged: {error}", "name the kit as it was made, or the files read out of the control";
     other_control(made, own) => "the active tables were made for the control `{made}`, the job is for `{own}`", "name the kit that was loaded into this control";
+    made_later(made, own) => "the active tables were made from a measurement of {made}, this one is of {own}: they cannot have been active", "correct `date`, or name what was active on that day";
     other_file(name, path, what) => "`{name}` of the kit `{path}` {what}, so what was active is not known", "name the kit as it was loaded, or the files read out of the control";
     other_machine(what, kit, own, help) => "the active tables were made for another machine: its {what} is `{kit}`, that of the job `{own}`", help;
     other_unit(unit, own) => "the active tables are in {unit}, the job in {own}", "correct `control_unit`, or make the new tables in the unit of the old ones";

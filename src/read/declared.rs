@@ -111,6 +111,7 @@ fn file(
     let mut reading = Reading {
         facts,
         axes: Axes::of_name(name, facts),
+        name: Axes::of_name(name, facts),
         set: None,
         set_before,
         is_other: facts.has(Field::Set),
@@ -207,6 +208,8 @@ fn names_unit(pattern: &Pattern) -> bool {
 struct Reading<'a> {
     facts: &'a DeclaredFacts,
     axes: Axes,
+    /// What the name of the file says.
+    name: Axes,
     /// The set of tables that has begun, and where it says its name.
     set: Option<(String, Range<usize>)>,
     set_before: Option<&'a str>,
@@ -254,7 +257,8 @@ impl Reading<'_> {
             match field {
                 Field::Axis | Field::Base | Field::Output => {
                     names_axes = true;
-                    self.axes.set(field, text[part].trim());
+                    self.axes.set(field, text[part.clone()].trim());
+                    self.check_name(part);
                 }
                 Field::Same => self.check_same(text, part),
                 Field::Table => name = Some(text[part].to_string()),
@@ -317,6 +321,15 @@ impl Reading<'_> {
         let own = self.axes.output.clone().unwrap_or_default();
         if !own.eq_ignore_ascii_case(text[span.clone()].trim()) {
             self.complain(span, refusals::another_axis(shown(&own)));
+        }
+    }
+
+    /// The corrected axis is that of the name of the file, where it says one.
+    fn check_name(&mut self, span: Range<usize>) {
+        if let [Some(own), Some(named)] = [&self.axes.output, &self.name.output]
+            && !own.eq_ignore_ascii_case(named)
+        {
+            self.complain(span, refusals::other_than_name(shown(named)));
         }
     }
 

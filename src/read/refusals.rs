@@ -84,6 +84,7 @@ refusals! {
     second_set(own) => "a second set beside `{own}`, and one is loaded", "name a file that holds the one that is loaded";
     unit_in_comment() => "a comment that may name a unit", "the patterns of the profile (`lines`) say how a file names its unit; take the word out if the line means something else";
     another_axis(own) => "another axis than `{own}`, which the line corrects", "an axis that follows another one is not corrected so";
+    other_than_name(own) => "another axis than `{own}` in the name of the file", "correct whichever is wrong: a control may go by either";
     another_unit(word) => "the file is in `{word}`, the profile is not", "`value_size` of the profile says the unit of the values: a file in another one is not read";
     second_pair() => "a second pair of axes for this table", "a table is for one pair of axes";
     table_of_nobody(name) => "no line says which axes the table `{name}` is for", WHOLE_FILE;

@@ -1,7 +1,7 @@
 //! Files of a user → the measurement with the tables active.
 
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::{ActiveTables, Job, MeasuredData};
+use crate::inputs::job::{ActiveTables, Job, MeasuredData, day};
 use crate::inputs::kind::FileKind;
 use crate::judge::active::{ActiveControl, HashedFile};
 use crate::judge::after::{AfterMeasurement, ensure_same_machine, same_slopes};
@@ -192,12 +192,8 @@ fn of_job(
 
 /// A second measurement before the first one, where both dates are written as 2026-11-24.
 fn earlier(first: &Job, second: &Job) -> Option<Finding> {
-    let is_day = |date: &&String| {
-        let parts = date.split('-').map(str::len).eq([4, 2, 2]);
-        parts && date.bytes().all(|byte| byte == b'-' || byte.is_ascii_digit())
-    };
-    let [first, second] = [first, second].map(|job| job.measurement.date.as_ref().filter(is_day));
-    let (first, second) = (first?.clone(), second?.clone());
+    let [first, second] = [first, second].map(|job| day(job.measurement.date.as_ref()));
+    let (first, second) = (first?.to_string(), second?.to_string());
     (second < first).then(|| AsLeft::Earlier { first, second }.into())
 }
 

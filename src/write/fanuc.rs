@@ -324,8 +324,23 @@ fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assumption> {
             "straightness sets already in use from set 1 would be overwritten: state `first_set`";
         Assumption::of_job("first_set", "1", words)
     });
-    let all = reserved.into_iter().chain(unused).chain(interpolated).chain(first_set);
+    let unit = compensation.control_unit;
+    let odd = runs.iter().filter_map(|Run { id, axis, .. }| {
+        let um = task.detection_unit_um(*axis).filter(|um| !is_detection_unit(*um, unit))?;
+        let words = format!("every correction would be too large or too small by the same factor: no increment system of a machine in {} makes this unit (IS-B: {} µm / CMR), so read 1001#0, 1013 and 1820 of axis {id}", unit.word(), unit.least_increment_um());
+        Some(Assumption::of_job(format!("detection_unit_um of axis {id}"), um.to_string(), words))
+    });
+    let all = reserved.into_iter().chain(unused).chain(interpolated).chain(first_set).chain(odd);
     all.map(Assumption::undecided).collect()
+}
+
+/// Whether IS-A to IS-E (1013) with a CMR of 1/27 … 1/2, 0.5 … 48 (1820) make this unit, within its digits.
+fn is_detection_unit(um: f64, unit: ControlUnit) -> bool {
+    let is_whole = |own: f64, most: f64| own < most && (own / own.round() - 1.0).abs() < 2e-3;
+    [10.0, 1.0, 0.1, 0.01, 0.001].iter().any(|of_is_b| {
+        let cmr = unit.least_increment_um() * of_is_b / um;
+        is_whole(2.0 * cmr, 96.5) || is_whole(1.0 / cmr, 27.5)
+    })
 }
 
 fn preconditions(
@@ -432,4 +447,21 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
         format!("{counts} (detection units of {unit_um} µm)")
     };
     Some(backlash_parameter(task, plan, run.axis, what, named, MEMORY))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same control counts in other units on a machine in inch (B-63943EN-1 p. 109).
+    #[test]
+    fn a_detection_unit_is_one_of_the_machine() {
+        let [mm, inch] = [ControlUnit::Millimetre, ControlUnit::Inch];
+        for um in [1.0, 0.1, 0.5, 2.0, 0.333, 0.01, 10.0] {
+            assert!(is_detection_unit(um, mm) && !is_detection_unit(um, inch), "{um}");
+        }
+        for um in [2.54, 0.254, 1.27, 0.635, 5.08, 0.847] {
+            assert!(is_detection_unit(um, inch) && !is_detection_unit(um, mm), "{um}");
+        }
+    }
 }

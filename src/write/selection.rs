@@ -87,7 +87,7 @@ impl TableStock {
         if *tables == 0 {
             format!("the control has no {resource}")
         } else if *tables == u32::MAX {
-            format!("the control has {resource} and {wanted} are asked for")
+            format!("the control has {resource} and more are asked for")
         } else if *used == 0 {
             format!("the control has {tables} {resource} for {wanted}")
         } else {

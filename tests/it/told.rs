@@ -18,9 +18,7 @@ fn told(controller: &str, profile: Option<&str>) -> (Visit, Ran) {
 fn the_verdict_stands_in_the_first_line_and_names_in_other_letters_are_taken() {
     let (visit, Ran { out, .. }) = told("siemens-840d-sl", None);
     assert!(out.starts_with("verdict: pass (asked: "), "{out}");
-    let job = visit.read("job.toml");
-    let name = job.lines().find(|line| line.starts_with("name = ")).unwrap();
-    visit.edit("job.toml", name, "name = \"Fräse Süd, groß\"");
+    visit.edit("job.toml", "VMC 400", "Fräse Süd, groß");
     let ran = visit.run("generate job.toml -o \"my kit\"");
     ran.says("`Fräse Süd, groß` stands as `Fraese Sued, gross`")
         .says("nonius verify job.toml --tables \"my kit\"");
@@ -66,6 +64,10 @@ fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
             assert!(!annex.contains(line), "{id}: {line}\n{annex}");
         }
     }
+    let visit = Visit::with_job("nine_errors_900/fanuc-30i.toml");
+    visit.under("[compensation]", "control_unit = \"inch\"");
+    let ran = visit.run("generate job.toml -o kit");
+    ran.says("DECIDE BEFORE LOADING, assumed: detection_unit_um of axis 1 = 1; if wrong: every");
 }
 
 #[test]

@@ -240,6 +240,11 @@ impl ControlUnit {
         }
     }
 
+    /// Least command increment of a Fanuc machine in this unit (1001#0) at IS-B, µm: 0.001 mm, 0.0001 in (B-63943EN-1 p. 109).
+    pub(crate) const fn least_increment_um(self) -> f64 {
+        if let ControlUnit::Inch = self { 2.54 } else { 1.0 }
+    }
+
     /// The unit that machine data such as MD10240 and MD32711 stand for: 1 = metric, 0 = inch.
     pub(crate) fn of_metric(value: f64) -> ControlUnit {
         if value > 0.0 { ControlUnit::Millimetre } else { ControlUnit::Inch }

@@ -181,7 +181,7 @@ section! {
         /// "none", or the folder with the compensation that was active, read out of the control
         pub active as active_while_measuring: ActiveTables = with(active);
         /// of the measurement, e.g. "2026-11-20"
-        pub date: Option<String> = plain_text();
+        pub date: Option<String> = with(date);
         /// serial number of the laser: the second measurement repeats the error of its scale, if it is made with the same
         /// one
         pub instrument: Option<String> = plain_text();
@@ -296,6 +296,27 @@ fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
         section.refuse("errors", refusals::no_error_tables());
     }
     Some(paths)
+}
+
+/// A date that is written as 2026-11-24: such dates have an order.
+pub(crate) fn day(date: Option<&String>) -> Option<&str> {
+    let is_day = |date: &&str| {
+        let parts = date.split('-').map(str::len).eq([4, 2, 2]);
+        parts && date.bytes().all(|byte| byte == b'-' || byte.is_ascii_digit())
+    };
+    date.map(String::as_str).filter(is_day)
+}
+
+/// A day has to be one of the calendar, with 29 February in any year.
+fn date(section: &Section<'_>, key: &'static str) -> Option<String> {
+    const DAYS: [usize; 13] = [0, 31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let date = section.plain_text(key)?;
+    let number = |from, to| day(Some(&date))?[from..to].parse::<usize>().ok();
+    let most = number(5, 7).map(|month| DAYS.get(month).copied().unwrap_or(0));
+    if most.zip(number(8, 10)).is_some_and(|(most, day)| !(1..=most).contains(&day)) {
+        section.refuse(key, refusals::no_day(&date));
+    }
+    Some(date)
 }
 
 fn squareness(measurement: &Section<'_>, key: &'static str) -> Vec<(ErrorTerm, f64)> {

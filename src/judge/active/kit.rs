@@ -9,7 +9,7 @@ use super::reading::{ActiveControl, Origin, at_key, backlash_of};
 use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{KitFile, Profile, Role};
-use crate::inputs::job::Job;
+use crate::inputs::job::{Job, day};
 use crate::judge::findings::{FileFault, InControl};
 use crate::judge::refusals;
 use crate::quantity::PerAxis;
@@ -37,6 +37,12 @@ pub fn from_kit(
     if controller != profile.id {
         let wrong = refusals::other_control(shown(&controller), &profile.id);
         problems.push(at_key(job, wrong));
+    }
+    let dates = [&job.measurement.date, &document.machine.measured];
+    if let [Some(own), Some(made)] = dates.map(|date| day(date.as_ref()))
+        && own < made
+    {
+        problems.push(at_key(job, refusals::made_later(made, own)));
     }
     let findings = check_machine(job, document.machine, &mut problems);
     let state = document.state.as_ref();

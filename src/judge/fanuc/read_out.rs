@@ -348,11 +348,7 @@ impl OnControl<'_> {
             101..=127 => 1.0 / f64::from(cmr - 100),
             _ => return None,
         };
-        let increment_um = match self.unit {
-            ControlUnit::Millimetre => of_is_b,
-            ControlUnit::Inch => 2.54 * of_is_b,
-        };
-        let um = rounded(increment_um / per_unit, 6);
+        let um = rounded(self.unit.least_increment_um() * of_is_b / per_unit, 6);
         let axis = self.name.to_string();
         let is_other = (um - own_um).abs() > 0.01 * um;
         is_other.then_some(InControl::DetectionUnit { axis, cmr, system, um, own_um })

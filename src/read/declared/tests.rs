@@ -152,6 +152,25 @@ fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
     assert!(refused(&facts, "start 0 step 1\n1 2\n3 4\n").contains("no line says of which axis"));
 }
 
+/// A .cma says by the names of files which table an axis has, so a table stands in the file of its axis.
+#[test]
+fn a_table_in_the_file_of_another_axis_is_refused() {
+    let facts = facts_of("heidenhain-com");
+    let of = |axis| format!("AXISPOS BACKLASH {axis}\n0.0 0.0 0.0\n100.0 0.001 0.002\n");
+    let (x, y) = (of("X"), of("Y"));
+    let all = |of_x: &str, of_y: &str, active: &str| {
+        let texts = [("read-X.com", of_x), ("READ-Y.COM", of_y), ("config.cma", active)];
+        read(&texts, &facts).map_err(|problems| problems.render())
+    };
+    let active = "ACTIVE X Y\n* read-X.com READ-Y.COM\n";
+    assert_eq!(all(&x, &y, active).unwrap().tables.len(), 2);
+    let words = all(&y, &x, active).unwrap_err();
+    assert!(words.contains("read-X.com:1:18") && words.contains("READ-Y.COM:1:18"), "{words}");
+    assert!(words.contains("another axis than `X` in the name of the file"), "{words}");
+    let words = all(&x, &y, "ACTIVE X Y\n* READ-Y.COM read-X.com\n").unwrap_err();
+    assert!(words.contains("config.cma:2:1"), "{words}");
+}
+
 /// ACS SPiiPlus: values by the name of their table, its axes in a formula that sums up to three.
 #[test]
 fn a_table_is_told_by_its_name() {
