@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::iter::once;
 
 const SEED: u64 = 47;
-const VISITS: u64 = 200;
+const VISITS: u64 = 400;
 /// Standard uncertainty of a slope, µm/m, of a measured angle, µrad, and of the laser, 10⁻⁶.
 const U_OF: (f64, f64, f64) = (0.5, 0.2, 0.1);
 const ANGLES: [&str; 9] = ["EAX", "EBX", "ECX", "EAY", "EBY", "ECY", "EAZ", "EBZ", "ECZ"];
