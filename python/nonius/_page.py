@@ -33,7 +33,7 @@ def report(results: pd.DataFrame, title: str, limit_um: float | None = None) -> 
         _table("Largest volumetric accuracy", worst, {"va_um": "VA/µm", "va_drift_um": "since the visit before/µm", "verdict": "verdict"}),
         _table(f"Due for service within {SOON_DAYS} days", due, {"due": "due", "due_earliest": "earliest", "due_latest": "latest", "va_um": "VA/µm"}),
         _table("Not judged", wrong, {"problem": "why"}),
-        '<p class="note">VA: the largest difference of two error vectors in the volume, as found. Due: the straight line through the VA of a machine reaches the limit; earliest and latest: the band in which that line lies with 95 %, as far as the scatter of these visits tells.</p>',
+        '<p class="note">VA: the largest difference of two error vectors in the volume, as found, without reversal. Due: the straight line through the VA of a machine reaches the limit; earliest and latest: the band in which that line lies with 95 %, as far as the scatter of these visits tells.</p>',
     ]
     return (
         f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title><style>{_core.STYLE}'

@@ -5,12 +5,15 @@ from __future__ import annotations
 import copy
 import decimal
 import json
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Union
+
+import numpy as np
 
 from . import _core
 from ._answers import Answer, Assessment, Judgement, Kit, Problem, Separation, Standards, Table, _figures, _framed, _judgement
@@ -28,7 +31,11 @@ def ask(command: str, *options: str, job: JobLike | None = None, files: Mapping[
     question = {"command": command, "options": list(options), "files": held}
     if job is not None:
         question["job"] = dict(job) if isinstance(job, Mapping) else os.fspath(job)
-    answer = json.loads(_core.ask(json.dumps(question, default=_plain, allow_nan=False)))
+    try:
+        asked = json.dumps(question, default=_plain, allow_nan=False)
+    except ValueError as error:
+        raise Problem(f"a job holds no infinite numbers and nothing that holds itself: {error}", []) from error
+    answer = json.loads(_core.ask(asked))
     if answer["status"] == 2:
         raise Problem(answer.get("said", ""), answer["problems"])
     made = {name: text.encode() if isinstance(text, str) else bytes(text) for name, text in answer["files"].items()}
@@ -123,12 +130,13 @@ def _beside(kit: Kit | str | os.PathLike[str] | None, after: TableLike | Visit |
         files.update({f"{KIT}/{name}": content for name, content in kit.files.items()})
     elif kit is not None:
         options += ["--tables", os.fspath(kit)]
-    if isinstance(after, Visit) and isinstance(after.job, Mapping):
-        files.update({f"{AFTER}/{name}": content for name, content in after.files.items()})
-        files[f"{AFTER}/job.toml"] = after.job
-        options += ["--after", f"{AFTER}/job.toml"]
-    elif isinstance(after, Visit):
-        options += ["--after", os.fspath(after.job)]
+    if isinstance(after, Visit):
+        # By full paths, since files of the same names belong to the first visit.
+        is_held = isinstance(after.job, Mapping)
+        job = os.path.abspath("job.toml" if is_held else after.job)
+        files.update({os.path.abspath(name): content for name, content in after.files.items()})
+        files.update({job: after.job} if is_held else {})
+        options += ["--after", job]
     elif isinstance(after, (str, os.PathLike)):
         options += ["--after", os.fspath(after)]
     elif after is not None:
@@ -175,7 +183,16 @@ def _list(values: Any) -> Any:
             break
     if not isinstance(values, (list, tuple)):
         return values  # no list: the program says so
-    return [None if _is_missing(cell) else cell.decode() if isinstance(cell, bytes) else cell for cell in values]
+    return [_cell(cell) for cell in values]
+
+
+def _cell(cell: Any) -> Any:
+    """A cell as JSON has it; the program says what is wrong with one that is infinite, and where."""
+    if _is_missing(cell):
+        return None
+    if isinstance(cell, (float, np.floating, decimal.Decimal)):
+        return number if math.isfinite(number := float(cell)) else str(number)
+    return cell.decode() if isinstance(cell, bytes) else cell
 
 
 def _is_missing(cell: Any) -> bool:
@@ -185,7 +202,7 @@ def _is_missing(cell: Any) -> bool:
 
 def _plain(value: Any) -> Any:
     """A value as JSON has it."""
-    if isinstance(value, decimal.Decimal):
+    if isinstance(value, (decimal.Decimal, np.floating)):
         return float(value)
     if isinstance(value, os.PathLike):
         return os.fspath(value)

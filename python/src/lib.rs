@@ -4,7 +4,7 @@
 #[pyo3::pymodule]
 mod _core {
     use nonius::page::picture::{Mark, Panel, Picture, Scale};
-    use nonius::page::{Ink, Locale, DisplayUnit, Texts};
+    use nonius::page::{DisplayUnit, Ink, Locale, Texts};
     use pyo3::exceptions::PyValueError;
     use pyo3::{PyResult, Python, pyfunction};
 
@@ -18,10 +18,10 @@ mod _core {
         python.detach(|| nonius::cli::asked(question.as_bytes()).json())
     }
 
-    /// k with which U = k·u holds the true value in 95.45 % of all cases (Student; GUM, annex G).
+    /// Quantile of Student's distribution: what lies below it with this share of all cases.
     #[pyfunction]
-    fn coverage_factor(degrees_of_freedom: f64) -> f64 {
-        nonius::machine::separation::readings::coverage_factor(Some(degrees_of_freedom))
+    fn student(share: f64, degrees_of_freedom: f64) -> f64 {
+        nonius::machine::separation::readings::student(share, Some(degrees_of_freedom))
     }
 
     /// A label with its unit, and both ends.

@@ -1,8 +1,12 @@
 """Fleets: one function on pandas, Dask and in parts; what it says is what the program says of each machine."""
 
+import json
+import pathlib
+
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import columns, job_of
 
 import nonius
 from nonius import fleet
@@ -55,7 +59,8 @@ def test_noise_widens_the_interval():
     due = fleet._due(visits, 40.0)
     # By hand: slope 1.05 µm a year, 34.0 is 0.55 above the line at the last visit: (40 - 33.45) / 1.05 = 6.24 years on.
     assert abs((due["due"] - YEARS[-1]).days - 6.24 * 365.25) < 4
-    assert due["due_earliest"] < due["due"] and "due_latest" not in due
+    # s = 1.356 µm, Student's k (95 %, 2) = 4.303: line + band meets 40 µm 188 days on.
+    assert (due["due_earliest"] - YEARS[-1]).days == 188 and "due_latest" not in due
 
 
 def test_a_turned_sign_is_a_drift(machines, job, errors):
@@ -65,11 +70,79 @@ def test_a_turned_sign_is_a_drift(machines, job, errors):
     assert results["EXX_drift_um"].tolist()[1:] == pytest.approx([-36.0, 36.0, 0.0])
 
 
+def test_a_reversal_that_grew_is_a_drift(machines, job, errors):
+    """Both directions have one zero, that of the reference return: the other carries the reversal (contract §2.3)."""
+    frame = one(machines)[:3].astype({"ex_um": object})
+    both = {name: np.tile(errors[name], 2) for name in ("axis", "position_mm", "ex_um", "ey_um", "ez_um")}
+    both |= {"direction": np.repeat(["+", "-"], 93)}
+    for visit, reversal in enumerate((-2.0, -30.0, -30.0)):
+        is_back = (both["direction"] == "-") & (both["axis"] == "x")
+        frame = frame.assign(direction=None) if visit == 0 else frame
+        for name, values in (both | {"ex_um": both["ex_um"] + reversal * is_back}).items():
+            frame.at[visit, name] = list(values)
+    job["compensation"]["backlash"] = "two-tables"
+    results = fleet.judge(frame, job)
+    assert results["EXX_drift_um"].tolist()[1:] == pytest.approx([-28.0, 0.0])
+    assert results["EYX_drift_um"].tolist()[1:] == pytest.approx([0.0, 0.0]) and set(results["problem"]) == {""}
+    job["machine"]["axes"]["x"]["reference_direction"] = "-"
+    assert fleet.judge(frame, job)["EXX_drift_um"][1] == pytest.approx(28.0)
+
+
 def test_u_of_a_drift_is_that_of_its_two_visits(machines, job):
     u = [[1.0] * 93, None, [1.0] * 93, [0.5] * 93]
     results = fleet.judge(one(machines, u_ex_um=u), job)
     assert np.isnan(results["EXX_drift_u95_um"][:3]).all()
     assert results["EXX_drift_u95_um"][3] == pytest.approx(2 * np.sqrt(2 * 1 + 2 * 0.25))
+    job["measurement"]["uncertainty"] = {"noise_um": 0.3}
+    stated = fleet.judge(one(machines), job)
+    assert stated["EYX_drift_u95_um"][1] == pytest.approx(2 * np.sqrt(4 * 0.3**2))
+
+
+def test_units_of_a_table_are_those_of_the_program(machines, job):
+    plain = one(machines)
+    plain.at[1, "ex_um"] = plain.at[1, "ex_um"] * 1.5
+    inches = [plain["position_mm"].map(lambda mm: np.array(mm) / 25.4), plain["ex_um"] / 25.4, plain["ey_um"] / 1000, plain["ez_um"]]
+    names = ["position_in", "ex_uin", "ey_mm", "ez_um"]
+    frame = plain[["machine", "date", "axis"]].assign(**dict(zip(names, inches)))
+    frame["ex_uin"] = plain["ex_um"] / 0.0254
+    found, expected = (fleet.judge(of, job, 50) for of in (frame, plain))
+    assert expected["EXX_drift_um"][1] == pytest.approx(9.0) and expected["va_drift_um"][1] > 1
+    pd.testing.assert_frame_equal(found, expected, rtol=1e-6, atol=1e-6)
+
+
+def test_what_was_measured_otherwise_is_named_and_not_compared(machines, job):
+    frame = one(machines)
+    inner = np.array((frame.at[1, "axis"])) != "x"
+    inner |= np.array(frame.at[1, "position_mm"]) < 500
+    for name in ("axis", "position_mm", "ex_um", "ey_um", "ez_um"):
+        frame.at[1, name] = list(np.array(frame.at[1, name])[inner])
+    frame["direction"] = [None, None, None, ["+"] * 93]
+    results = fleet.judge(frame, job)
+    terms = ["EXX EYX EZX", "EXX EYX EZX", "EXX EYX EZX EXY EYY EZY EXZ EYZ EZZ"]
+    assert results["not_compared"].tolist() == ["", f"VA {terms[0]}", f"VA {terms[1]}", terms[2]]
+    assert results["EXX_drift_um"].isna().all() and results["EYY_drift_um"][1] == 0.0
+
+
+def test_a_job_on_disk_finds_what_lies_beside_it(machines, job, tmp_path, monkeypatch):
+    (tmp_path / "plant").mkdir()
+    monkeypatch.chdir(tmp_path)
+    angles = "axis,position_mm,ea_urad\nx,0,0\nx,900,%d\n"
+    pathlib.Path("plant/angles.csv").write_text(angles % 50)
+    pathlib.Path("angles.csv").write_text(angles % 5000)
+    pathlib.Path("plant/job.toml").write_text(as_toml(job | {"measurement": {**job["measurement"], "angles": "angles.csv"}}))
+    first = machines[:1]
+    va_um = fleet.judge(first, "plant/job.toml")["va_um"][0]
+    for path in (pathlib.Path("plant/job.toml"), tmp_path / "plant/job.toml", lambda name: "plant/job.toml"):
+        assert fleet.judge(first, path)["va_um"][0] == va_um
+    in_current = fleet.judge(first, job | {"measurement": {**job["measurement"], "angles": "angles.csv"}})
+    assert in_current["va_um"][0] > 2 * va_um > 0
+    assert fleet.judge(first, "plant/nowhere.toml")["problem"][0].startswith("FileNotFoundError")
+
+
+def as_toml(sections, above=""):
+    values = [f"{key} = {json.dumps(value)}\n" for key, value in sections.items() if not isinstance(value, dict)]
+    tables = [(above + key, value) for key, value in sections.items() if isinstance(value, dict)]
+    return "".join(values) + "".join(f"[{key}]\n" + as_toml(value, key + ".") for key, value in tables)
 
 
 def test_tables_loaded_between_visits_begin_anew(machines, job):
@@ -103,7 +176,29 @@ def test_a_machine_that_cannot_be_judged_costs_its_own_row(machines, job):
     machines.at[0, "ey_um"] = "0;1;2"
     results = fleet.judge(machines, lambda name: job if name != "c" else {}["no job"])
     assert (results["problem"] != "").sum() == 2 + 4 and "is empty in one row of axis X" in results.loc[5, "problem"]
+    assert "the column `ey_um` is no list" in results.loc[0, "problem"]
     assert results.loc[6, "va_drift_um"] == 0.0, "the drift is that since the last visit that could be judged"
+
+
+@pytest.mark.parametrize("bad", [None, [], {}, {"machine": {"axes": []}}, {"measurement": None}, "nowhere.toml", 1 / 3])
+def test_no_job_of_one_machine_costs_another_its_row(machines, job, bad):
+    results = fleet.judge(machines[3:5], lambda name: job if name == "a" else bad)
+    assert results["verdict"].tolist() == ["pass", ""] and results["problem"][1]
+
+
+def test_numbers_of_every_kind_are_read_and_infinite_ones_told(machines, job, errors):
+    frame = one(machines, ex_um=[errors["ex_um"].astype(np.longdouble), errors["ex_um"], np.append(np.inf, errors["ex_um"][1:]), errors["ex_um"]])
+    results = fleet.judge(frame, job)
+    assert results["EXX_found_um"].tolist()[:2] == [18.0, 18.0] and "errors.csv:2" in results["problem"][2]
+    assert (results["problem"] != "").sum() == 1 and "`ex_um` is `inf`" in results["problem"][2]
+
+
+def test_readings_are_compared_as_their_errors():
+    table = {name: list(values) for name, values in columns("start/readings/readings.csv").items()}
+    frame = pd.DataFrame([{"machine": "a", "date": date, **table} for date in YEARS[:2]])
+    results = fleet.judge(frame, job_of("start/readings/job.toml"))
+    assert set(results["problem"]) == {""} and results["EXX_drift_um"][1] == results["va_drift_um"][1] == 0.0
+    assert results["EXX_drift_u95_um"][1] > 1 and set(results["not_compared"]) == {""}
 
 
 def test_remarks_of_a_table_reach_the_verdict(machines, job):

@@ -77,6 +77,19 @@ def test_a_second_measurement_is_judged(job, errors):
     assert "iframe" in kit._repr_html_() and "sandbox" in as_left._repr_html_()
 
 
+def test_a_second_visit_given_as_a_job_finds_the_kit_in_the_current_folder(tmp_path, monkeypatch):
+    """Its files have the names of those of the first visit, and are others."""
+    start = FIXTURES / "start/readings"
+    monkeypatch.chdir(tmp_path)
+    first = nonius.Visit(job_of("start/readings/job.toml"), readings=start / "readings.csv")
+    kit = first.generate()
+    kit.save("kit")
+    after = nonius.Visit(job_of("start/readings/after.toml"), readings=start / "after.csv")
+    of_files = nonius.Visit(start / "job.toml").verify("kit", after=after)
+    assert kit.verify(after=after).verdict == "pass" and of_files.terms.array("after_um") == pytest.approx(kit.verify(after).terms.array("after_um"))
+    assert kit.verify(after).terms["EXX"]["after_um"] == pytest.approx(0.713, abs=1e-3)
+
+
 def test_a_missing_value_is_missing(job, errors):
     holed = copy.deepcopy(errors)
     holed["ex_um"][3] = np.nan
@@ -115,6 +128,9 @@ def test_every_problem_is_named_at_once(job, errors):
     with pytest.raises(nonius.Problem) as caught:
         nonius.Visit(job, errors=errors).generate()
     assert len(caught.value.all) >= 2 and "travel_mm" in str(caught.value)
+    job["acceptance"]["max_deviation_um"] = np.inf
+    with pytest.raises(nonius.Problem, match="no infinite numbers"):
+        nonius.Visit(job, errors=errors).generate()
 
 
 def test_what_the_program_writes_is_in_the_answer_alone(job, errors, tmp_path, monkeypatch):

@@ -332,7 +332,7 @@ fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
     let (mut names, mut lists) = (Vec::new(), Vec::new());
     for (column, values) in columns {
         let values = values.as_array();
-        let values = values.ok_or_else(|| refusals::no_column(name))?;
+        let values = values.ok_or_else(|| refusals::no_column(name, shown(column)))?;
         let cells = values.iter().map(|value| match value {
             Value::Null => String::new(),
             Value::String(text) => text.clone(),

@@ -58,7 +58,7 @@ refusals! {
     no_question(why) => "this is not a question: {why}", QUESTION;
     two_jobs(job) => "`{job}` is `job`, and stands among `files`, too", "call the other one differently";
     no_job(name, why) => "`{name}` is no job: {why}";
-    no_column(name) => "`{name}`: every column is a list of numbers or words";
+    no_column(name, column) => "`{name}`: the column `{column}` is no list of numbers or words";
     no_cell(name, cell) => "`{name}`: `{cell}` cannot stand in a cell";
     uneven_columns(name) => "`{name}`: its columns are not of one length";
 }
