@@ -125,9 +125,8 @@ fn measured(
     let line = |line: &MeasuredLine| {
         let axis = Axis::ALL.into_iter().find(|axis| line.direction[*axis] > 0.5).unwrap();
         let u = line.u_um_per_m.unwrap();
-        let own_u = (u * u - row.laser_ppm * row.laser_ppm).sqrt();
-        let slope_um_per_m =
-            truth.slope(own(axis)) + laser + own_u.hypot(row.setup_ppm) * normal(random);
+        let own_u = (u * u - row.laser_ppm * row.laser_ppm).sqrt().hypot(row.setup_ppm);
+        let slope_um_per_m = truth.slope(own(axis)) + laser + own_u * normal(random);
         MeasuredLine { slope_um_per_m, ..*line }
     };
     let lines = planned.lines.iter().map(line).collect();
