@@ -6,6 +6,7 @@ use crate::quantity::{Axis, Direction, ErrorTerm, Figure, MM_PER_INCH, PerAxis, 
 use crate::read::emulate::CannotEmulate;
 use crate::text::{Finding, findings};
 pub(crate) use crate::text::{joined, listed};
+use toml::value::Date;
 
 fn frame_word(frame: Option<Frame>) -> &'static str {
     frame.map_or("as given", Frame::word)
@@ -226,7 +227,7 @@ findings! {
         Flat { what: String } => Doubt, "the values afterwards are the same at all positions, which no laser reads: {what}; an empty column, no measurement";
         Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
         SameSlopes { axes: Vec<Axis> } => Doubt, "`slope_um_per_m` of {} afterwards is that of the first job to the last digit: a copy, so nothing shows what the tables do there; state what was measured with the tables active", Axis::letters(axes);
-        Earlier { first: String, second: String } => Doubt, "measured on {second}, before the first measurement ({first}): these tables cannot have been active; correct the `date` that is wrong";
+        Earlier { first: Date, second: Date } => Doubt, "measured on {second}, before the first measurement ({first}): these tables cannot have been active; correct the `date` that is wrong";
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "the target spacing of axis {axis} was {first_mm:.3} mm as found and is up to {second_mm:.3} mm afterwards: the residual between the targets is not known";
         ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "both directions are known as found (measured, or by the backlash that was active) and were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);

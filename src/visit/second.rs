@@ -193,7 +193,7 @@ fn of_job(
 /// A second measurement before the first one, where both dates are written as 2026-11-24.
 fn earlier(first: &Job, second: &Job) -> Option<Finding> {
     let [first, second] = [first, second].map(|job| day(job.measurement.date.as_ref()));
-    let (first, second) = (first?.to_string(), second?.to_string());
+    let (first, second) = (first?, second?);
     (second < first).then(|| AsLeft::Earlier { first, second }.into())
 }
 

@@ -7,6 +7,7 @@ use crate::inputs::job::machine::Axes;
 use crate::inputs::refusals;
 use crate::quantity::{Axis, ErrorTerm, Millimetres, PerAxis, PerDiagonal, PerTerm, Plane};
 use crate::text::{Finding, Section, Word, section, words};
+use toml::value::{Date, Datetime};
 
 /// Whether a compensation was active while measuring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -299,21 +300,14 @@ fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
 }
 
 /// A date that is written as 2026-11-24: such dates have an order.
-pub(crate) fn day(date: Option<&String>) -> Option<&str> {
-    let is_day = |date: &&str| {
-        let parts = date.split('-').map(str::len).eq([4, 2, 2]);
-        parts && date.bytes().all(|byte| byte == b'-' || byte.is_ascii_digit())
-    };
-    date.map(String::as_str).filter(is_day)
+pub(crate) fn day(date: Option<&String>) -> Option<Date> {
+    date?.parse::<Datetime>().ok()?.date
 }
 
-/// A day has to be one of the calendar, with 29 February in any year.
+/// What is written like a day has to be one of the calendar.
 fn date(section: &Section<'_>, key: &'static str) -> Option<String> {
-    const DAYS: [usize; 13] = [0, 31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
     let date = section.plain_text(key)?;
-    let number = |from, to| day(Some(&date))?[from..to].parse::<usize>().ok();
-    let most = number(5, 7).map(|month| DAYS.get(month).copied().unwrap_or(0));
-    if most.zip(number(8, 10)).is_some_and(|(most, day)| !(1..=most).contains(&day)) {
+    if date.split('-').map(str::len).eq([4, 2, 2]) && day(Some(&date)).is_none() {
         section.refuse(key, refusals::no_day(&date));
     }
     Some(date)

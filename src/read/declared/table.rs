@@ -15,14 +15,14 @@ const LARGEST: f64 = 1e9;
 const DUST: f64 = 1e-6;
 
 /// A number, and where it stands.
-type NumberAt = (f64, Range<usize>);
+type Number = (f64, Range<usize>);
 
 /// A point while its lines are read.
 struct PointDraft {
     line: Range<usize>,
     number: Option<f64>,
     /// Position, value, forward, reverse.
-    fields: Vec<(Field, NumberAt)>,
+    fields: Vec<(Field, Number)>,
 }
 
 impl PointDraft {
@@ -44,7 +44,7 @@ pub(super) struct TableDraft<'a> {
     own: Whose,
     line: Range<usize>,
     /// Start, spacing, count, last.
-    header: Vec<(Field, NumberAt)>,
+    header: Vec<(Field, Number)>,
     rows: Vec<PointDraft>,
 }
 
@@ -109,7 +109,7 @@ impl<'a> TableDraft<'a> {
         Ok(())
     }
 
-    fn head(&self, field: Field) -> Option<&NumberAt> {
+    fn head(&self, field: Field) -> Option<&Number> {
         self.header.iter().find(|(own, _)| *own == field).map(|(_, placed)| placed)
     }
 
@@ -236,11 +236,7 @@ fn point(wanted: &[Field], position: f64, row: &PointDraft) -> Result<Point, Com
 }
 
 /// Takes a field that was not there yet.
-fn put(
-    fields: &mut Vec<(Field, NumberAt)>,
-    field: Field,
-    placed: NumberAt,
-) -> Result<(), Complaint> {
+fn put(fields: &mut Vec<(Field, Number)>, field: Field, placed: Number) -> Result<(), Complaint> {
     if fields.iter().any(|(own, _)| *own == field) {
         return Err(Complaint::new(placed.1, refusals::second(field.word())));
     }
