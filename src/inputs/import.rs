@@ -37,7 +37,7 @@ use self::intake::{Contents, Intake};
 use self::mapping::recognised;
 use self::reading::unlikely_reversals;
 use self::stated::{ImportFacts, described};
-use crate::inputs::error_table::{self, Draft, ErrorTable};
+use crate::inputs::error_table::{self, Draft, ErrorTable, Remarks};
 pub use crate::inputs::findings::ImportFinding;
 use crate::inputs::refusals;
 use crate::text::{Finding, Problems, Severity, Source, of_severity};
@@ -79,6 +79,10 @@ pub fn import(file: Measurement<'_>, stated: &ImportFacts) -> Result<Imported, P
     let warnings = of_severity(&findings, Severity::Note);
     comments.extend(warnings.iter().map(|found| format!("warning: {found}")));
     comments.extend(squareness_lines(&squareness));
+    // What a table of ours says of itself stays; in a sheet its words may stand in several cells.
+    let said = source.text.lines().filter(|line| line.starts_with('#'));
+    let said = said.map(|line| line.trim_end_matches(';').replace(';', ","));
+    comments.extend(Remarks::read(&said.collect::<Vec<String>>().join("\n")).lines());
     let draft = Draft { comments, series };
     let text = error_table::write(&draft);
     // What will be written must be a table that `generate` takes.

@@ -198,7 +198,7 @@ fn loaded_state(asked: &JobTables<'_>, named: Option<&State>) -> Outside {
     outside(asked, |axis, wanted| {
         match named.and_then(|state| state.axis(&axis.name)) {
             Some(entry) => take(axis, "the kit was made for", entry.backlash_um, wanted),
-            // No kit, or one from before manifests held it.
+            // No kit, or no such axis.
             None => wanted
                 .map(|um| InControl::NoManifest { axis: axis.name.clone(), um: micrometres(um) }),
         }

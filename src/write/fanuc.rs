@@ -334,7 +334,7 @@ fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assumption> {
     all.map(Assumption::undecided).collect()
 }
 
-/// Whether IS-A to IS-E (1013) with a CMR of 1/27 … 1/2, 0.5 … 48 (1820) make this unit, within its digits.
+/// Whether IS-A to IS-E (1013) with a CMR of 1/27 … 1/2, 0.5 … 48 (1820) make this unit, to 0.2 %.
 fn is_detection_unit(um: f64, unit: ControlUnit) -> bool {
     let is_whole = |own: f64, most: f64| own < most && (own / own.round() - 1.0).abs() < 2e-3;
     [10.0, 1.0, 0.1, 0.01, 0.001].iter().any(|of_is_b| {

@@ -66,7 +66,7 @@ impl Acting {
                 let own = self.by_cause[*cause].get(index).copied().unwrap_or(0.0);
                 add(&mut times, own, acts);
             }
-            if times.iter().any(|times| times.abs() > 0.0) {
+            if !times.iter().all(|times| times.abs() <= 0.0) {
                 values.iter_mut().zip(shape).for_each(|(value, shape)| add(value, *shape, &times));
             }
         }

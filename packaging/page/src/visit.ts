@@ -315,7 +315,8 @@ export const kitState = computed((): "none" | "foreign" | "current" | "changed" 
   if (!of.size) return "none";
   if (now?.manifest && manifest.value && manifest.value.controller !== now.manifest.controller) return "foreign";
   const written = now?.manifest?.files.filter((file) => !stays(file)).map((file) => `${kitFolder.value}/${file.path}`);
-  if (now?.kit.length && now.kit.every(([name, bytes]) => written?.includes(name) || isSame(bytes, of.get(name)))) return "current";
+  const isOwn = kit.value.every(([name]) => now?.kit.some(([own]) => own === name));
+  if (isOwn && now?.kit.length && now.kit.every(([name, bytes]) => written?.includes(name) || isSame(bytes, of.get(name)))) return "current";
   return now && !now.isIntact ? "changed" : "old";
 });
 

@@ -106,7 +106,7 @@ section! {
         pub axis: Axis = choice_by(&Axis::ALL.map(|axis| (axis.key(), axis)), IN_ANY_CASE), must "`x`, `y` or `z`";
         /// positioning error at the largest coordinate minus that at the smallest, µm, divided by their distance in m
         pub slope as slope_um_per_m: LinearSlope = with(linear_slope), must;
-        /// its standard uncertainty (k = 1), e.g. 0.5; without this line a verdict is at most undecided
+        /// its standard uncertainty (k = 1) without `setup_ppm`; without this line a verdict is at most undecided
         pub u_um_per_m: Option<f64> = not_negative();
     }
 }
@@ -134,7 +134,7 @@ section! {
         pub to as to_mm: Places = place(), must PLACE;
         /// displacement error along the line by its length
         pub slope_um_per_m: f64 = with(slope), must "the displacement error by length, µm/m";
-        /// its standard uncertainty (k = 1), e.g. 0.5; without this line a verdict is at most undecided
+        /// its standard uncertainty (k = 1) without `setup_ppm`; without this line a verdict is at most undecided
         pub u_um_per_m: Option<f64> = not_negative();
     }
 }

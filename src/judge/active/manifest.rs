@@ -1,5 +1,4 @@
-//! What is read of the `manifest.json` of a kit. A key that it lacks is missing: older versions of the program
-//! wrote fewer.
+//! What is read of the `manifest.json` of a kit. A part that it lacks is missing; the state of an axis is whole.
 
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, Role};
