@@ -399,7 +399,7 @@ mod tests {
         let instrument = Instrument { noise_um: 0.3, stated };
         let found = instrument.of_slope_um_per_m((&volume, None), Axis::X, 5);
         // Of both directions, as σ √(2/(2·5)) / 0.4 m: 0.335; of the laser and of the beam 0.5 each.
-        let expected = (0.335_f64.powi(2) + 0.25 + 0.25).sqrt();
+        let expected = 0.335_f64.hypot(0.5).hypot(0.5);
         assert!((found - expected).abs() < 1e-3, "{found} {expected}");
     }
 }
