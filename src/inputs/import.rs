@@ -79,10 +79,7 @@ pub fn import(file: Measurement<'_>, stated: &ImportFacts) -> Result<Imported, P
     let warnings = of_severity(&findings, Severity::Note);
     comments.extend(warnings.iter().map(|found| format!("warning: {found}")));
     comments.extend(squareness_lines(&squareness));
-    // What a table of ours says of itself stays; in a sheet its words may stand in several cells.
-    let said = source.text.lines().filter(|line| line.starts_with('#'));
-    let said = said.map(|line| line.trim_end_matches(';').replace(';', ","));
-    comments.extend(Remarks::read(&said.collect::<Vec<String>>().join("\n")).lines());
+    comments.extend(Remarks::read(&source.text).lines()); // what a table of ours says of itself
     let draft = Draft { comments, series };
     let text = error_table::write(&draft);
     // What will be written must be a table that `generate` takes.

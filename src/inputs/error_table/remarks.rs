@@ -266,7 +266,9 @@ impl Remarks {
     pub fn read(table: &str) -> Remarks {
         let mut remarks = Remarks::default();
         let comments = table.lines().filter_map(|line| line.trim_start().strip_prefix('#'));
-        for comment in once(comments.map(str::trim).collect()) {
+        // A program for tables fills a line up with separators.
+        let comments = comments.map(|comment| comment.trim_end_matches([',', ';', ' ']).trim());
+        for comment in once(comments.collect()) {
             remarks.hear(comment);
         }
         let doubts = beyond(&mut remarks.not_determined) + beyond(&mut remarks.doubts);
@@ -490,6 +492,8 @@ mod tests {
         table += "axis,position_mm,ex_um\nx,0,0\nx,1,note: none\n";
         let read = Remarks::read(&table);
         assert_eq!(read, remarks);
+        let saved_again = table.replace('\n', ",,;;\n");
+        assert_eq!(Remarks::read(&saved_again), remarks);
         assert_eq!(read.simulated().count(), 1);
         assert_eq!(Remarks::read("# made by hand\n"), Remarks::default());
         for damaged in ["# doubtful beside that, um: EXX", "# not stated: angles"] {

@@ -27,7 +27,14 @@ pub(super) fn text(path: &str, bytes: &[u8], sheet: Option<&str>) -> Result<Stri
     // From A1 on, as people count: a range begins with the first cell that is filled.
     let (row, column) = range.start().unwrap_or_default();
     let [above, before] = [("\n", row), (";", column)].map(|(of, count)| of.repeat(count as usize));
-    let line = |row: &[Data]| row.iter().map(cell).collect::<Vec<String>>().join(";");
+    let line = |row: &[Data]| {
+        let cells: Vec<String> = row.iter().map(cell).collect();
+        // A comment of a table of ours: a program for tables takes it apart at its commas.
+        match cells.first().is_some_and(|first| first.starts_with('#')) {
+            true => cells.join(","),
+            false => cells.join(";"),
+        }
+    };
     let lines = range.rows().map(|row| format!("{before}{}\n", line(row)));
     Ok(above + &lines.collect::<String>())
 }
